@@ -1,0 +1,215 @@
+"""The scene: everything that is to be modelled, complete, in internal units, immutable.
+
+Internal units are DL_POLY's: Å, ps, Da, e, energy 10 J/mol = 1 Da Å²/ps². In a scene with ``units dpd`` the same numbers
+are read as reduced ones (k_B = 1). ``thermal_energy`` is always k_B T in the internal energy unit, so that nothing below
+the scene needs to know a Boltzmann constant.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pydlpoly.formats.records import FloatArray
+
+if TYPE_CHECKING:
+    from pydlpoly.units import EnergyUnit
+
+Origin = Literal["given", "mixed", "filled", "overridden", "default", "none"]
+
+
+@dataclass(frozen=True)
+class Note:
+    """Something the user should know: a warning, or a piece of input that has no effect and why.
+
+    ``kind`` is "warning" (could change results), "ignored" (read, without effect here) or "choice" (a default taken).
+    """
+
+    kind: Literal["warning", "ignored", "choice"]
+    text: str
+    where: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Beads:
+    """Per-bead arrays in file order (bead id = index, files count from 1).
+
+    Attributes:
+        species: (N,) index into ``Scene.species``.
+        mass: (N,) in Da.
+        charge: (N,) in e.
+        frozen: (N,) True for beads that never move.
+        molecule: (N,) running number of the molecule each bead belongs to.
+        positions: (N, 3) in Å, wrapped into the cell around the origin along periodic axes.
+        velocities: (N, 3) in Å/ps, or None when they are to be drawn.
+    """
+
+    species: NDArray[np.int32]
+    mass: FloatArray
+    charge: FloatArray
+    frozen: NDArray[np.bool_]
+    molecule: NDArray[np.int64]
+    positions: FloatArray
+    velocities: FloatArray | None
+
+    def __len__(self) -> int:
+        return len(self.mass)
+
+
+@dataclass(frozen=True, eq=False)
+class PairTerm:
+    """What acts between two species, with the origin of every number.
+
+    Attributes:
+        species: indices a ≤ b into ``Scene.species``.
+        law: the pair law's key ("dpd", "lj", …), or None when the pair has no conservative interaction.
+        parameters: the law's own parameters, in internal units, in the order of the law's registry entry.
+        cutoff: where the conservative law ends (Å).
+        force_shift: whether U and F are shifted to vanish at the cutoff.
+        drag: γ_ij (Da/ps), 0 without a pair thermostat.
+        drag_cutoff: range of the drag and noise (Å).
+        noise: σ_ij = √(2 γ_ij k_B T).
+        law_origin, drag_origin: where the numbers come from.
+        explanation: the same in words, for the printed table ("FIELD line 18", "mixed from A A and B B by …").
+        table: (2, n) energy and −r dU/dr of a tabulated law at r = spacing·(1…n), else None.
+        table_spacing: grid spacing of ``table`` (Å).
+    """
+
+    species: tuple[int, int]
+    law: str | None
+    parameters: tuple[float, ...] = ()
+    cutoff: float = 0.0
+    force_shift: bool = False
+    drag: float = 0.0
+    drag_cutoff: float = 0.0
+    noise: float = 0.0
+    law_origin: Origin = "none"
+    drag_origin: Origin = "none"
+    explanation: str = ""
+    table: FloatArray | None = None
+    table_spacing: float = 0.0
+
+
+@dataclass(frozen=True)
+class ExternalTerm:
+    """An external field: its key ("grav", "oshr") and its parameters in internal units."""
+
+    key: str
+    parameters: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Dynamics:
+    """How a step is taken.
+
+    Attributes:
+        integrator: "nve" or "dpd-mdvv" (velocity Verlet with the Groot–Warren prediction ``prediction`` = λ).
+        timestep: Δt in ps.
+        thermal_energy: k_B T in internal energy units.
+        prediction: Groot–Warren's λ.
+        weight_exponent: s of w^D = (1 − r/r_c)^s.
+        remove_drift: whether the centre-of-mass velocity of the mobile beads is removed in every step.
+    """
+
+    integrator: Literal["nve", "dpd-mdvv"]
+    timestep: float
+    thermal_energy: float
+    prediction: float = 0.5
+    weight_exponent: float = 2.0
+    remove_drift: bool = False
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """How long, from what start, with what equilibration.
+
+    Attributes:
+        steps: total number of steps, equilibration included.
+        equilibration_steps: number of first steps during which equilibration measures act and averages are not taken.
+        record_equilibration: take averages from step 1 on.
+        rescale_every, regauss_every: intervals in equilibration steps, 0 = never.
+        force_cap: largest force on a bead during equilibration (Da Å/ps²), 0 = none.
+        seed: seed of all noise and of the start velocities; None = drawn anew and printed.
+        start: "clean" draws velocities, "rescale" scales the file's, "noscale" takes them, "continue" goes on from a
+            checkpoint.
+    """
+
+    steps: int
+    equilibration_steps: int = 0
+    record_equilibration: bool = False
+    rescale_every: int = 0
+    regauss_every: int = 0
+    force_cap: float = 0.0
+    seed: int | None = None
+    start: Literal["clean", "rescale", "noscale", "continue"] = "clean"
+
+
+@dataclass(frozen=True)
+class OutputPlan:
+    """What is written, how often (in steps, 0 = never) and under what name (None = not written)."""
+
+    print_every: int = 0
+    statistics_every: int = 0
+    stack_size: int = 100
+    statistics_yaml: bool = False
+    trajectory_start: int = 0
+    trajectory_every: int = 0
+    trajectory_level: int = 0
+    rdf_every: int = 0
+    rdf_bin_width: float = 0.05
+    rdf_pairs: tuple[tuple[int, int], ...] = ()
+    checkpoint_every: int = 1000
+    output_file: str | None = "OUTPUT"
+    statistics_file: str = "STATIS"
+    trajectory_file: str = "HISTORY"
+    rdf_file: str | None = "RDFDAT"
+    configuration_file: str | None = "REVCON"
+    checkpoint_file: str | None = "REVIVE"
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A complete description of what is to be modelled; see the module's text for the units.
+
+    Attributes:
+        cell: (3, 3) cell vectors by row; for axes that are not periodic, the extent DL_POLY would report.
+        periodic: periodicity along the three cell vectors.
+        pairs: one term for every unordered pair of species, ordered (0,0), (0,1), (1,1), (0,2), …
+        cutoff: the global cutoff (RDF range); ``vdw_cutoff``: where laws without a range of their own end.
+        degrees_of_freedom: number of momenta that share the kinetic energy.
+        long_range_correction: whether energies and pressures include the analytic tails beyond the cutoff.
+    """
+
+    title: str
+    units: EnergyUnit
+    species: tuple[str, ...]
+    beads: Beads
+    cell: FloatArray
+    imcon: int
+    periodic: tuple[bool, bool, bool]
+    pairs: tuple[PairTerm, ...]
+    external: tuple[ExternalTerm, ...]
+    cutoff: float
+    vdw_cutoff: float
+    dynamics: Dynamics
+    run: RunPlan
+    output: OutputPlan
+    degrees_of_freedom: int
+    long_range_correction: bool = True
+    molecule_names: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
+    sources: tuple[str, ...] = field(default=())
+
+    @property
+    def bead_count(self) -> int:
+        """Number of beads."""
+        return len(self.beads)
+
+    def explain(self) -> str:
+        """Return the whole scene in words and tables: what is modelled, what is not, and where each number came from."""
+        from pydlpoly.scene.explain import explain  # explain imports this module
+
+        return explain(self)
