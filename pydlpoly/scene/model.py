@@ -95,10 +95,11 @@ class PairTerm:
 
 @dataclass(frozen=True)
 class ExternalTerm:
-    """An external field: its key ("grav", "oshr") and its parameters in internal units."""
+    """An external field: its key ("grav", "oshr"), its parameters in internal units, and where they come from."""
 
     key: str
     parameters: tuple[float, ...]
+    explanation: str = ""
 
 
 @dataclass(frozen=True)
@@ -149,7 +150,11 @@ class RunPlan:
 
 @dataclass(frozen=True)
 class OutputPlan:
-    """What is written, how often (in steps, 0 = never) and under what name (None = not written)."""
+    """What is written, how often (in steps, 0 = never) and under what name (None = not written).
+
+    ``output_file`` "SCREEN" is the standard output. ``trajectory_level`` is DL_POLY's: 0 positions, 1 and velocities,
+    2 and forces, 3 compressed. ``rdf_pairs`` holds the pairs of species to be collected, empty when ``rdf_every`` is 0.
+    """
 
     print_every: int = 0
     statistics_every: int = 0
@@ -175,12 +180,16 @@ class Scene:
     """A complete description of what is to be modelled; see the module's text for the units.
 
     Attributes:
+        units: FIELD's energy unit; its ``reduced`` says whether reports are in reduced units (k_B = 1).
         cell: (3, 3) cell vectors by row; for axes that are not periodic, the extent DL_POLY would report.
         periodic: periodicity along the three cell vectors.
         pairs: one term for every unordered pair of species, ordered (0,0), (0,1), (1,1), (0,2), …
         cutoff: the global cutoff (RDF range); ``vdw_cutoff``: where laws without a range of their own end.
         degrees_of_freedom: number of momenta that share the kinetic energy.
         long_range_correction: whether energies and pressures include the analytic tails beyond the cutoff.
+        molecule_names, molecule_counts: FIELD's molecule types in order, and how many copies of each there are.
+        notes: everything that was chosen, ignored or is worth a warning, in the order it was met.
+        sources: the files the scene was read from.
     """
 
     title: str
@@ -200,6 +209,7 @@ class Scene:
     degrees_of_freedom: int
     long_range_correction: bool = True
     molecule_names: tuple[str, ...] = ()
+    molecule_counts: tuple[int, ...] = ()
     notes: tuple[Note, ...] = ()
     sources: tuple[str, ...] = field(default=())
 
