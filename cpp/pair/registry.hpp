@@ -1,0 +1,71 @@
+// The list of all pair laws and the ways to find one; a new law is one header and one line here.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include "pair/dpd.hpp"
+#include "pair/law.hpp"
+#include "pair/lennard_jones.hpp"
+#include "pair/lennard_jones_cohesive.hpp"
+#include "pair/ndpd.hpp"
+#include "pair/tabulated.hpp"
+#include "pair/twelve_six.hpp"
+
+namespace dlpoly::pair {
+
+template <class... Types>
+struct TypeList {};
+
+using Laws = TypeList<Dpd,                   //
+                      NDpd,                  //
+                      LennardJones,          //
+                      LennardJonesCohesive,  //
+                      TwelveSix,             //
+                      Tabulated>;
+
+// Calls f.template operator()<Law>() for every law, in the order of the list.
+template <class Function>
+void for_each_law(Function&& f) {
+    [&]<class... Law>(TypeList<Law...>) { (f.template operator()<Law>(), ...); }(Laws{});
+}
+
+// The record of a key in lower case, or nullptr.
+inline const LawInfo* find(std::string_view key) {
+    const LawInfo* found = nullptr;
+    for_each_law([&]<class Law>() {
+        if (Law::info.key == key) found = &Law::info;
+    });
+    return found;
+}
+
+// Calls f.template operator()<Law>() for the law of this key; an unknown key throws std::invalid_argument.
+template <class Function>
+void visit(std::string_view key, Function&& f) {
+    bool found = false;
+    for_each_law([&]<class Law>() {
+        if (!found && Law::info.key == key) {
+            found = true;
+            f.template operator()<Law>();
+        }
+    });
+    if (!found) throw std::invalid_argument("unknown pair law '" + std::string(key) + "'");
+}
+
+// One law from whatever its record holds: numbers for all, a table for tab.
+template <class Law>
+Law make(std::span<const double> parameters, double cutoff, const std::shared_ptr<const Table>& table = nullptr) {
+    if constexpr (std::is_same_v<Law, Tabulated>) {
+        if (!parameters.empty()) throw std::invalid_argument("pair law tab takes a table and no numbers");
+        return Tabulated::make(table, cutoff);
+    } else {
+        if (table) throw std::invalid_argument("pair law " + std::string(Law::info.key) + " takes no table");
+        return Law(parameters, cutoff);
+    }
+}
+
+}  // namespace dlpoly::pair
