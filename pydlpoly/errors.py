@@ -45,5 +45,8 @@ class InputWarning(UserWarning):
 
 def suggest(word: str, valid: Iterable[str]) -> str:
     """Return ``"; did you mean a, b?"`` with the nearest valid words, or an empty string when none is near."""
-    close = difflib.get_close_matches(word.lower(), [str(v) for v in valid], n=3, cutoff=0.6)
-    return f"; did you mean {', '.join(close)}?" if close else ""
+    # Compared without regard to case, given back as written: species names are case-sensitive.
+    words = [str(v) for v in valid]
+    close = difflib.get_close_matches(word.lower(), [w.lower() for w in words], n=3, cutoff=0.6)
+    nearest = dict.fromkeys(w for c in close for w in words if w.lower() == c)
+    return f"; did you mean {', '.join(nearest)}?" if nearest else ""
