@@ -1,6 +1,14 @@
-// The parts of the Python module; module.cpp calls each once.
+// The parts of the compiled module; module.cpp calls each once.
 #pragma once
 
 #include <pybind11/pybind11.h>
 
-void bind_pair(pybind11::module_& module);
+namespace dlpoly::bind {
+
+void bind_errors(pybind11::module_& m);  // exceptions of the core
+void bind_random(pybind11::module_& m);  // random numbers
+void bind_system(pybind11::module_& m);  // the simulation
+
+}  // namespace dlpoly::bind
+
+void bind_pair(pybind11::module_& module);  // pair laws, their tails and their mixing

@@ -8,24 +8,62 @@
 #include <string_view>
 #include <type_traits>
 
+#include "pair/born_huggins_meyer.hpp"
+#include "pair/buckingham.hpp"
 #include "pair/dpd.hpp"
+#include "pair/fourteen_seven.hpp"
+#include "pair/hydrogen_bond.hpp"
 #include "pair/law.hpp"
 #include "pair/lennard_jones.hpp"
 #include "pair/lennard_jones_cohesive.hpp"
+#include "pair/lennard_jones_frenkel.hpp"
+#include "pair/morse.hpp"
+#include "pair/morse_twelve.hpp"
+#include "pair/n_m.hpp"
+#include "pair/n_m_shifted.hpp"
 #include "pair/ndpd.hpp"
+#include "pair/rydberg.hpp"
+#include "pair/sanderson.hpp"
+#include "pair/stillinger_weber.hpp"
 #include "pair/tabulated.hpp"
+#include "pair/tapered_buckingham.hpp"
+#include "pair/tapered_lennard_jones.hpp"
+#include "pair/tapered_twelve_six.hpp"
 #include "pair/twelve_six.hpp"
+#include "pair/weeks_chandler_andersen.hpp"
+#include "pair/zbl.hpp"
+#include "pair/zbl_buckingham.hpp"
+#include "pair/zbl_morse.hpp"
 
 namespace dlpoly::pair {
 
 template <class... Types>
 struct TypeList {};
 
-using Laws = TypeList<Dpd,                   //
-                      NDpd,                  //
-                      LennardJones,          //
-                      LennardJonesCohesive,  //
-                      TwelveSix,             //
+using Laws = TypeList<LennardJones,           //
+                      TwelveSix,              //
+                      LennardJonesCohesive,   //
+                      LennardJonesFrenkel,    //
+                      NM,                     //
+                      NMShifted,              //
+                      Buckingham,             //
+                      BornHugginsMeyer,       //
+                      HydrogenBond,           //
+                      Morse,                  //
+                      MorseTwelve,            //
+                      WeeksChandlerAndersen,  //
+                      Dpd,                    //
+                      NDpd,                   //
+                      FourteenSeven,          //
+                      Rydberg,                //
+                      Zbl,                    //
+                      ZblMorse,               //
+                      ZblBuckingham,          //
+                      TaperedLennardJones,    //
+                      TaperedBuckingham,      //
+                      TaperedTwelveSix,       //
+                      Sanderson,              //
+                      StillingerWeber,        //
                       Tabulated>;
 
 // Calls f.template operator()<Law>() for every law, in the order of the list.

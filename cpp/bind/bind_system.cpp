@@ -1,0 +1,239 @@
+// The simulation object: checks arguments, drops the GIL, calls the core.
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "bind/bind.hpp"
+#include "core/threads.hpp"
+#include "integrate/equilibration.hpp"
+#include "integrate/system.hpp"
+#include "observe/kinetic.hpp"
+
+namespace py = pybind11;
+
+namespace dlpoly::bind {
+
+namespace {
+
+void require(bool condition, const std::string& message) {
+    if (!condition) {
+        throw std::invalid_argument(message);
+    }
+}
+
+Particles make_particles(Array3N position, Array3N velocity, std::vector<double> mass,
+                         std::vector<std::int32_t> species, std::vector<bool> frozen, std::int32_t species_count) {
+    const auto beads = static_cast<std::size_t>(position.rows());
+    require(
+        velocity.rows() == position.rows() && mass.size() == beads && species.size() == beads && frozen.size() == beads,
+        "positions, velocities, mass, species and frozen must describe the same number of beads");
+    require(position.allFinite() && velocity.allFinite(), "positions and velocities must be finite");
+    Particles particles;
+    particles.position = std::move(position);
+    particles.velocity = std::move(velocity);
+    particles.force = Array3N::Zero(particles.position.rows(), 3);
+    particles.image = Image3N::Zero(particles.position.rows(), 3);
+    particles.mass = std::move(mass);
+    particles.species = std::move(species);
+    for (std::size_t i = 0; i < beads; ++i) {
+        require(frozen[i] || (particles.mass[i] > 0.0 && std::isfinite(particles.mass[i])),
+                "every bead that can move needs a mass larger than 0");
+        require(particles.species[i] >= 0 && particles.species[i] < species_count, "a species index is out of range");
+        particles.inverse_mass.push_back(frozen[i] ? 0.0 : 1.0 / particles.mass[i]);
+        particles.frozen.push_back(frozen[i] ? 1 : 0);
+        if (frozen[i]) {
+            particles.velocity.row(static_cast<Eigen::Index>(i)).setZero();
+        }
+    }
+    return particles;
+}
+
+// The pair table under construction, so that a System is complete once it exists.
+class PairTableBuilder {
+  public:
+    explicit PairTableBuilder(std::int32_t species) : table_(species) {}
+
+    void set_law(std::int32_t a, std::int32_t b, const std::string& key, const std::vector<double>& parameters,
+                 double cutoff, bool force_shift) {
+        check(a, b);
+        table_.set_law(a, b, key, parameters, cutoff, force_shift);
+    }
+    void set_table(std::int32_t a, std::int32_t b, const std::vector<double>& energy, const std::vector<double>& virial,
+                   double spacing, double cutoff, bool force_shift) {
+        check(a, b);
+        table_.set_table(a, b, energy, virial, spacing, cutoff, force_shift);
+    }
+    void set_drag(std::int32_t a, std::int32_t b, double drag, double noise, double cutoff) {
+        check(a, b);
+        require(drag >= 0.0 && noise >= 0.0 && std::isfinite(drag) && std::isfinite(noise),
+                "drag and noise must be finite and not negative");
+        require(drag == 0.0 || (cutoff > 0.0 && std::isfinite(cutoff)), "a drag needs a cutoff larger than 0");
+        table_.set_drag(a, b, {drag, noise, cutoff});
+    }
+    PairTable take() {
+        require(!taken_, "a pair table can make one system only");
+        taken_ = true;
+        return std::move(table_);
+    }
+
+  private:
+    void check(std::int32_t a, std::int32_t b) const {
+        require(!taken_, "the pair table already belongs to a system");
+        require(a >= 0 && b >= 0 && a < table_.species() && b < table_.species(), "a species index is out of range");
+    }
+    PairTable table_;
+    bool taken_ = false;
+};
+
+System make_system(const Matrix3& cell, std::array<bool, 3> periodic, Array3N positions, Array3N velocities,
+                   std::vector<double> mass, std::vector<std::int32_t> species, std::vector<bool> frozen,
+                   PairTableBuilder& pairs, const StepSettings& settings) {
+    require(settings.timestep > 0.0 && std::isfinite(settings.timestep), "the timestep must be larger than 0");
+    require(settings.thermal_energy >= 0.0, "the thermal energy must not be negative");
+    PairTable table = pairs.take();
+    State state{Box(cell, periodic), make_particles(std::move(positions), std::move(velocities), std::move(mass),
+                                                    std::move(species), std::move(frozen), table.species())};
+    for (Eigen::Index i = 0; i < state.particles.count(); ++i) {
+        Vector3 position = state.particles.position.row(i).transpose();
+        require(state.box.wrap(position, state.particles.image.row(i).data()),
+                "a position is too far outside the cell");
+        state.particles.position.row(i) = position.transpose();
+    }
+    state.particles.image.setZero();
+    PairForces pair_forces(std::move(table), settings.thermal_energy, settings.timestep);
+    return System(std::move(state), Forces(std::move(pair_forces)), settings);
+}
+
+py::array_t<std::int64_t> distance_counts(const System& system) {
+    require(system.distances.has_value(), "pair distances are not sampled in this system");
+    const std::vector<std::int64_t>& counts = system.distances->counts();
+    return py::array_t<std::int64_t>(static_cast<py::ssize_t>(counts.size()), counts.data());
+}
+
+}  // namespace
+
+void bind_system(py::module_& m) {
+    m.def("set_threads", &set_threads, py::arg("threads"), "Number of threads of the next parallel regions.");
+    m.def("thread_limit", &thread_limit, "Number of threads that would be used now.");
+    m.def("has_threads", &has_threads, "Whether the core was built with OpenMP.");
+
+    py::class_<PairTableBuilder>(m, "PairTable", "What acts between every two species; makes one System.")
+        .def(py::init<std::int32_t>(), py::arg("species"))
+        .def("set_law", &PairTableBuilder::set_law, py::arg("a"), py::arg("b"), py::arg("key"), py::arg("parameters"),
+             py::arg("cutoff"), py::arg("force_shift") = false)
+        .def("set_table", &PairTableBuilder::set_table, py::arg("a"), py::arg("b"), py::arg("energy"),
+             py::arg("virial"), py::arg("spacing"), py::arg("cutoff"), py::arg("force_shift") = false)
+        .def("set_drag", &PairTableBuilder::set_drag, py::arg("a"), py::arg("b"), py::arg("drag"), py::arg("noise"),
+             py::arg("cutoff"));
+
+    py::class_<StepSettings>(m, "StepSettings", "How a step is taken; see cpp/integrate/step_settings.hpp.")
+        .def(py::init<>())
+        .def_readwrite("timestep", &StepSettings::timestep)
+        .def_readwrite("thermal_energy", &StepSettings::thermal_energy)
+        .def_readwrite("weight_exponent", &StepSettings::weight_exponent)
+        .def_readwrite("prediction", &StepSettings::prediction)
+        .def_readwrite("drag", &StepSettings::drag)
+        .def_readwrite("remove_drift", &StepSettings::remove_drift)
+        .def_readwrite("seed", &StepSettings::seed)
+        .def_readwrite("degrees_of_freedom", &StepSettings::degrees_of_freedom)
+        .def_readwrite("force_cap", &StepSettings::force_cap)
+        .def_readwrite("equilibration_steps", &StepSettings::equilibration_steps)
+        .def_readwrite("rescale_every", &StepSettings::rescale_every)
+        .def_readwrite("regauss_every", &StepSettings::regauss_every);
+
+    py::class_<System>(m, "System", "State, forces and integrator of one simulation.")
+        .def(py::init(&make_system), py::arg("cell"), py::arg("periodic"), py::arg("positions"), py::arg("velocities"),
+             py::arg("mass"), py::arg("species"), py::arg("frozen"), py::arg("pairs"), py::arg("settings"))
+        .def(
+            "add_external_field",
+            [](System& s, const std::string& key, const std::vector<double>& parameters) {
+                s.forces.add(make_external_field(key, parameters));
+                s.ready = false;
+            },
+            py::arg("key"), py::arg("parameters"))
+        .def("initialise", &System::initialise, py::call_guard<py::gil_scoped_release>(),
+             "Computes and observes the forces of the present state.")
+        .def("run", &System::run, py::arg("steps"), py::call_guard<py::gil_scoped_release>(),
+             "Takes steps and observes the last one.")
+        .def(
+            "draw_velocities",
+            [](System& s, bool zero_momentum) {
+                draw_velocities(s.state, s.settings, Stream::start_velocities, zero_momentum);
+                s.ready = false;
+            },
+            py::arg("zero_momentum"))
+        .def("rescale_velocities",
+             [](System& s) {
+                 rescale_velocities(s.state.particles, s.settings);
+                 s.ready = false;
+             })
+        .def("remove_drift",
+             [](System& s) {
+                 remove_drift(s.state.particles);
+                 s.ready = false;
+             })
+        .def(
+            "set_cell_width", [](System& s, double width) { s.forces.pairs().set_cell_width(width); }, py::arg("width"),
+            "Link cells of at least this width instead of one range; never changes results.")
+        .def_readwrite("settings", &System::settings)
+        .def_readwrite("ready", &System::ready, "Whether the forces belong to the present positions.")
+        .def_property(
+            "step", [](const System& s) { return s.state.step; },
+            [](System& s, std::uint64_t step) { s.state.step = step; })
+        .def_property(
+            "time", [](const System& s) { return s.state.time; }, [](System& s, double time) { s.state.time = time; })
+        .def_property(
+            "positions", [](const System& s) { return s.state.particles.position; },
+            [](System& s, const Array3N& value) {
+                require(value.rows() == s.state.particles.count() && value.allFinite(),
+                        "positions must be finite and of shape (N, 3)");
+                s.state.particles.position = value;
+                s.ready = false;
+            })
+        .def_property(
+            "velocities", [](const System& s) { return s.state.particles.velocity; },
+            [](System& s, const Array3N& value) {
+                require(value.rows() == s.state.particles.count() && value.allFinite(),
+                        "velocities must be finite and of shape (N, 3)");
+                s.state.particles.velocity = value;
+            })
+        .def_property(
+            "forces", [](const System& s) { return s.state.particles.force; },
+            [](System& s, const Array3N& value) {
+                require(value.rows() == s.state.particles.count() && value.allFinite(),
+                        "forces must be finite and of shape (N, 3)");
+                s.state.particles.force = value;
+            })
+        .def_property(
+            "images", [](const System& s) { return s.state.particles.image; },
+            [](System& s, const Image3N& value) {
+                require(value.rows() == s.state.particles.count(), "images must be of shape (N, 3)");
+                s.state.particles.image = value;
+            })
+        .def_property_readonly("volume", [](const System& s) { return s.state.box.volume(); })
+        .def_property_readonly("pair_energy", [](const System& s) { return s.totals.energy; })
+        .def_property_readonly("conservative_virial_tensor", [](const System& s) { return s.totals.conservative; })
+        .def_property_readonly("drag_virial_tensor", [](const System& s) { return s.totals.drag; })
+        .def_property_readonly("noise_virial_tensor", [](const System& s) { return s.totals.noise; })
+        .def_property_readonly("kinetic_tensor", [](const System& s) { return kinetic_tensor(s.state.particles); })
+        .def_property_readonly("momentum", [](const System& s) { return momentum(s.state.particles); })
+        .def_property_readonly("cell_counts", [](System& s) { return s.forces.pairs().cells().counts(); })
+        .def("enable_distances", &System::enable_distances, py::arg("range"), py::arg("bins"), py::arg("every"))
+        .def("distance_counts", &distance_counts)
+        .def_property_readonly("distance_samples",
+                               [](const System& s) { return s.distances ? s.distances->samples() : 0; })
+        .def(
+            "restore_distances",
+            [](System& s, std::vector<std::int64_t> counts, std::int64_t samples) {
+                require(s.distances.has_value(), "pair distances are not sampled in this system");
+                s.distances->restore(std::move(counts), samples);
+            },
+            py::arg("counts"), py::arg("samples"));
+}
+
+}  // namespace dlpoly::bind

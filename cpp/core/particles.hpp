@@ -1,0 +1,24 @@
+// The beads as a structure of arrays in file order: a bead's id is its index.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/types.hpp"
+
+namespace dlpoly {
+
+struct Particles {
+    Array3N position;  // wrapped, Å
+    Array3N velocity;  // Å/ps
+    Array3N force;     // Da Å/ps²
+    Image3N image;     // cells crossed since the start
+    std::vector<double> mass;
+    std::vector<double> inverse_mass;  // 0 for frozen beads: they never move
+    std::vector<std::int32_t> species;
+    std::vector<std::uint8_t> frozen;
+
+    [[nodiscard]] Eigen::Index count() const noexcept { return position.rows(); }
+};
+
+}  // namespace dlpoly

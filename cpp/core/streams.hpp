@@ -1,0 +1,14 @@
+// Every stream of random numbers, one line each. Numbers are never reused or renumbered once released.
+#pragma once
+
+#include <cstdint>
+
+namespace dlpoly {
+
+enum class Stream : std::uint8_t {
+    pair_noise = 1,        // ζ_ij of the DPD random force
+    start_velocities = 2,  // Maxwell velocities of a clean start
+    regauss = 3,           // Maxwell velocities redrawn during equilibration
+};
+
+}  // namespace dlpoly

@@ -1,0 +1,23 @@
+// What every integrator is told about a step.
+#pragma once
+
+#include <cstdint>
+
+namespace dlpoly {
+
+struct StepSettings {
+    double timestep = 0.0;         // ps
+    double thermal_energy = 0.0;   // k_B T, internal energy
+    double weight_exponent = 2.0;  // s of w^D = (1 − r/r_c)^s
+    double prediction = 0.5;       // Groot–Warren's λ
+    bool drag = false;             // pair thermostat on
+    bool remove_drift = false;     // take the centre-of-mass velocity out in every step
+    std::uint64_t seed = 0;
+    std::int64_t degrees_of_freedom = 0;
+    double force_cap = 0.0;                 // largest force on a bead while equilibrating, 0 = none
+    std::uint64_t equilibration_steps = 0;  // first steps in which the next three act
+    std::uint64_t rescale_every = 0;        // steps, 0 = never
+    std::uint64_t regauss_every = 0;        // steps, 0 = never
+};
+
+}  // namespace dlpoly
