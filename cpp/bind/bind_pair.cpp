@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "bind/bind.hpp"
+#include "pair/mixing.hpp"
 #include "pair/registry.hpp"
 #include "pair/shift.hpp"
 #include "pair/tail.hpp"
@@ -111,6 +112,17 @@ py::tuple pair_tail(const std::string& key, const std::vector<double>& parameter
     return py::make_tuple(result.energy, result.virial);
 }
 
+py::tuple mix(const std::string& rule, const std::string& key, const std::vector<double>& parameters_i,
+              const std::vector<double>& parameters_j, double drag_i, double drag_j) {
+    const auto pair =
+        dlpoly::pair::mix(dlpoly::pair::find_mixing_rule(rule), key, parameters_i, parameters_j, drag_i, drag_j);
+    return py::make_tuple(pair.parameters, pair.drag);
+}
+
+std::vector<std::string> mixing_rules() {
+    return {dlpoly::pair::mixing_rule_names.begin(), dlpoly::pair::mixing_rule_names.end()};
+}
+
 }  // namespace
 
 void bind_pair(py::module_& module) {
@@ -126,4 +138,9 @@ void bind_pair(py::module_& module) {
     module.def("pair_tail", &pair_tail, py::arg("key"), py::arg("parameters"), py::arg("cutoff"),
                "(integral of U r^2 dr, integral of r^3 dU/dr dr) from the cutoff to infinity; (0, 0) for laws without "
                "a long-range correction.");
+    module.def("mix", &mix, py::arg("rule"), py::arg("key"), py::arg("parameters_i"), py::arg("parameters_j"),
+               py::arg("drag_i"), py::arg("drag_j"),
+               "Parameters and drag of the pair i-j from those of i-i and j-j, which follow the same pair law.\n\n"
+               "Raises ValueError for laws that cannot be mixed and for numbers the rule cannot take.");
+    module.def("mixing_rules", &mixing_rules, "Names of the mixing rules; DL_POLY's spellings are accepted as well.");
 }

@@ -8,6 +8,7 @@
 
 #include "pair/law.hpp"
 #include "pair/parameters.hpp"
+#include "pair/tail.hpp"
 
 namespace dlpoly::pair {
 
@@ -36,6 +37,13 @@ class BornHugginsMeyer {
     }
 
     double range() const noexcept { return 0.0; }
+
+    // DL_POLY corrects for the dispersion only: the exponential is taken to have died out at the cutoff.
+    Tail tail(double cutoff) const noexcept {
+        const double sixth = sixth_ / (cutoff * cutoff * cutoff);
+        const double eighth = eighth_ / (cutoff * cutoff * cutoff * cutoff * cutoff);
+        return {-sixth / 3.0 - eighth / 5.0, 2.0 * sixth + 1.6 * eighth};
+    }
 
     PairValue operator()(double distance_squared) const noexcept {
         const double distance = std::sqrt(distance_squared);

@@ -8,6 +8,7 @@
 
 #include "pair/law.hpp"
 #include "pair/parameters.hpp"
+#include "pair/tail.hpp"
 
 namespace dlpoly::pair {
 
@@ -36,6 +37,12 @@ class Buckingham {
     }
 
     double range() const noexcept { return 0.0; }
+
+    // DL_POLY corrects for the dispersion only: the exponential is taken to have died out at the cutoff.
+    Tail tail(double cutoff) const noexcept {
+        const double cube = cutoff * cutoff * cutoff;
+        return {-dispersion_ / (3.0 * cube), 2.0 * dispersion_ / cube};
+    }
 
     PairValue operator()(double distance_squared) const noexcept {
         const double distance = std::sqrt(distance_squared);

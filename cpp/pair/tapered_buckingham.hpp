@@ -23,7 +23,7 @@ class TaperedBuckingham {
         .energy_mask = 0b0101,
         .drag_slot = 5,
         .soft = false,
-        .has_tail = true,
+        .has_tail = false,
         .mixable = false,
         .shiftable = true};
 

@@ -23,7 +23,7 @@ class TaperedLennardJones {
         .energy_mask = 0b001,
         .drag_slot = 4,
         .soft = false,
-        .has_tail = true,
+        .has_tail = false,
         .mixable = true,
         .shiftable = true};
 

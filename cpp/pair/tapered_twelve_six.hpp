@@ -22,7 +22,7 @@ class TaperedTwelveSix {
                                   .energy_mask = 0b011,
                                   .drag_slot = 0,
                                   .soft = false,
-                                  .has_tail = true,
+                                  .has_tail = false,
                                   .mixable = true,
                                   .shiftable = false};
 

@@ -22,10 +22,12 @@ class Zbl {
                                   .energy_mask = 0b00,
                                   .drag_slot = 5,
                                   .soft = false,
-                                  .has_tail = true,
+                                  .has_tail = false,
                                   .mixable = false,
                                   .shiftable = true};
 
+    // No long-range correction: DL_POLY's source has one, but the numbers it adds to its energies are zero, and at any
+    // cutoff in use the screened repulsion is over.
     // Z are nuclear charges in e: nothing here is scaled by FIELD's energy unit.
     Zbl(std::span<const double> parameters, double cutoff) {
         const Parameters given(info, parameters, cutoff);

@@ -8,6 +8,7 @@
 #include "pair/law.hpp"
 #include "pair/morse.hpp"
 #include "pair/parameters.hpp"
+#include "pair/tail.hpp"
 #include "pair/zbl_switch.hpp"
 
 namespace dlpoly::pair {
@@ -30,6 +31,9 @@ class ZblMorse {
         : ZblMorse(Parameters(info, parameters, cutoff), parameters, cutoff) {}
 
     double range() const noexcept { return 0.0; }
+
+    // DL_POLY's correction is that of Morse alone: beyond the cutoff nothing is left of ZBL's share.
+    Tail tail(double cutoff) const { return integrated_tail(value_.outer(), cutoff); }
 
     PairValue operator()(double distance_squared) const noexcept { return value_(distance_squared); }
 

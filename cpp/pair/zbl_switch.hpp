@@ -18,6 +18,8 @@ class ZblSwitch {
               double cutoff)
         : core_(charges, cutoff), outer_(outer, cutoff), middle_(middle), inverse_width_(1.0 / width) {}
 
+    const Outer& outer() const noexcept { return outer_; }
+
     PairValue operator()(double distance_squared) const noexcept {
         const double distance = std::sqrt(distance_squared);
         const PairValue core = core_(distance_squared);
