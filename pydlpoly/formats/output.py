@@ -1,0 +1,254 @@
+"""OUTPUT: the run's log for people, in the blocks that DL_POLY users know.
+
+Every piece (a text, a block, the summary) is one write that ends with a rule of dashes; a killed run leaves whole
+pieces, and continuing cuts what follows the last rule. Energies are in FIELD's unit for the whole system.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import TracebackType
+from typing import IO
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydlpoly.formats.atomic import FrameFile, PathLike
+from pydlpoly.formats.averages import RollingAverages, RunningAverages
+from pydlpoly.formats.fortran import fortran_e, fortran_f, fortran_i
+from pydlpoly.formats.records import FloatArray
+
+__all__ = ["OutputWriter", "RollingAverages", "RunSummary", "RunningAverages"]
+
+RULE = "-" * 130 + "\n"
+HEADER_EVERY = 8
+QUANTITIES = 27
+_LABELS = (
+    ("eng_tot", "temp_tot", "eng_cfg", "eng_src", "eng_cou", "eng_bnd", "eng_ang", "eng_dih", "eng_tet"),
+    ("eng_pv", "temp_rot", "vir_cfg", "vir_src", "vir_cou", "vir_bnd", "vir_ang", "vir_con", "vir_tet"),
+    ("volume", "temp_shl", "eng_shl", "vir_shl", "alpha[o]", "beta[o]", "gamma[o]", "vir_pmf", "press"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class RunSummary:
+    """What the end of a run reports.
+
+    Attributes:
+        steps, time: where the run ended; time in ps.
+        averaged_steps, averaged_time: how many records, over how long, the averages hold.
+        elapsed: wall-clock seconds of the whole run; loop_seconds: of the steps alone.
+        averages, fluctuations: at least 37 numbers in the order of ``STATISTICS_NAMES``; fluctuations are r.m.s.
+        pressure_parts: average (3, 3) tensors in katm by name (kinetic, conservative, drag, noise, …), which add up to
+            the pressure tensor.
+        diffusion: for each species the self-diffusion coefficient (10⁻⁹ m²/s) and the root of its mean-square
+            displacement (Å).
+        warnings: everything the run wants remembered.
+        timings: seconds by part of the program.
+    """
+
+    steps: int
+    time: float
+    averaged_steps: int
+    averaged_time: float
+    elapsed: float
+    loop_seconds: float
+    averages: FloatArray
+    fluctuations: FloatArray
+    pressure_parts: Mapping[str, FloatArray] = field(default_factory=dict)
+    diffusion: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    warnings: Sequence[str] = ()
+    timings: Mapping[str, float] = field(default_factory=dict)
+
+
+class OutputWriter:
+    """Writes OUTPUT piece by piece.
+
+    Args:
+        path: the file.
+        version: version of pydlpoly, for the banner.
+        title: the run's title.
+        append: go on with an existing file after its last whole piece.
+        temperature_unit, pressure_unit, time_unit: as printed; an empty text prints none (reduced units).
+
+    Raises:
+        RunError: the file cannot be written.
+    """
+
+    def __init__(
+        self,
+        path: PathLike,
+        version: str,
+        title: str = "",
+        *,
+        append: bool = False,
+        temperature_unit: str = "K",
+        pressure_unit: str = "katm",
+        time_unit: str = "ps",
+    ) -> None:
+        """Open the file and write the banner; see the class."""
+        self.path = os.fspath(path)
+        self._temperature, self._pressure, self._time = temperature_unit, pressure_unit, time_unit
+        self._prints = 0
+        banner = _banner(version, title)
+        self._file = FrameFile(path, banner.encode("utf-8"), append=append, whole_length=_whole_pieces)
+        self.resumed = self._file.resumed
+
+    def text(self, text: str) -> None:
+        """Write a section of free text, for example the explanation of the scene."""
+        self._write(text.rstrip("\n") + "\n" + RULE)
+
+    def resume(self, step: int, version: str) -> None:
+        """Say that the run continues from a checkpoint, and with which version."""
+        self.text(f"continues from step {step} with pydlpoly {version}")
+
+    def block(self, step: int, time: float, elapsed: float, values: ArrayLike, averages: ArrayLike) -> None:
+        """Write one print-out: instantaneous values and rolling averages, under a header every 8 print-outs.
+
+        Args:
+            step, time: of the step; time in ps.
+            elapsed: seconds since the start.
+            values, averages: at least 27 numbers in the order of ``STATISTICS_NAMES``.
+        """
+        starts = (fortran_i(step, 13), fortran_f(time, 13, 5), fortran_f(elapsed, 13, 3))
+        header = self._header() if self._prints % HEADER_EVERY == 0 else ""
+        body = _lines(starts, values) + "\n" + _lines(_labels("rolling", "averages", ""), averages)
+        self._write(header + body + RULE)
+        self._prints += 1
+
+    def summary(self, summary: RunSummary) -> None:
+        """Write the end of a run: termination, averages and fluctuations, pressure tensor, diffusion, timings."""
+        pieces = [self._termination(summary)]
+        if summary.averaged_steps > 0:
+            pieces += [self._final_averages(summary), self._pressure_tensor(summary)]
+            if summary.diffusion:
+                pieces.append(_diffusion(summary.diffusion))
+        if summary.warnings:
+            pieces.append("Warnings of this run:\n" + "".join(f"  {_one_line(w)}\n" for w in summary.warnings) + "\n")
+        pieces.append(_timings(summary))
+        self._write("".join(pieces) + RULE)
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def __enter__(self) -> OutputWriter:
+        """Return the open file."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close the file, whatever happened."""
+        self.close()
+
+    def _write(self, text: str) -> None:
+        self._file.write(text.encode("utf-8"))
+
+    def _header(self) -> str:
+        starts = ("step".rjust(13), _with_unit("time", self._time).rjust(13), "cpu  [s]".rjust(13))
+        rows = [list(row) for row in _LABELS]
+        for row in rows:
+            row[1] = _with_unit(row[1], self._temperature)
+        lines = [start + "".join(label.rjust(12) for label in row) for start, row in zip(starts, rows, strict=True)]
+        return RULE + "\n".join(lines) + "\n" + RULE
+
+    def _termination(self, summary: RunSummary) -> str:
+        unit = f" {self._time}" if self._time else ""
+        if summary.averaged_steps == 0:
+            return f"run terminated after {summary.steps} steps ( {summary.time:.3f}{unit}), no averages were taken\n\n"
+        return (
+            f"run terminated after {summary.steps} steps ( {summary.time:.3f}{unit}), final averages calculated over "
+            f"{summary.averaged_steps} steps ( {summary.averaged_time:.3f}{unit})\n"
+        )
+
+    def _final_averages(self, summary: RunSummary) -> str:
+        starts = (
+            fortran_i(summary.averaged_steps, 13),
+            fortran_f(summary.averaged_time, 13, 5),
+            fortran_f(summary.elapsed, 13, 3),
+        )
+        averages = _lines(starts, summary.averages)
+        fluctuations = _lines(_labels("r.m.s.", "fluctu-", "ations"), summary.fluctuations)
+        return self._header() + averages + "\n" + fluctuations + RULE + "\n"
+
+    def _pressure_tensor(self, summary: RunSummary) -> str:
+        unit = f"({self._pressure})" if self._pressure else ""
+        mean = np.asarray(summary.averages)[28:37].reshape(3, 3)
+        spread = np.asarray(summary.fluctuations)[28:37].reshape(3, 3)
+        text = "Pressure tensor:\n" + f"Average pressure tensor  {unit}".rjust(38) + "r.m.s. fluctuations".rjust(41)
+        for row, width in zip(mean, spread, strict=True):
+            text += "\n" + _row(row) + "   " + _row(width)
+        text += "\n" + _trace(mean) + "\n"
+        for name, part in summary.pressure_parts.items():
+            tensor = np.asarray(part, dtype=np.float64).reshape(3, 3)
+            rows = "\n".join(_row(row) for row in tensor)
+            text += f"of which {name}  {unit}\n{rows}\n{_trace(tensor)}\n"
+        return text
+
+
+def _banner(version: str, title: str) -> str:
+    lines = (
+        f"pydlpoly {version}",
+        "Dissipative particle dynamics from DL_POLY-format files. An independent program: not DL_POLY itself,",
+        "nor made by its authors; the layout of this file follows theirs so that its readers feel at home.",
+        f"title: {_one_line(title)}",
+    )
+    return RULE + "\n".join(lines) + "\n" + RULE
+
+
+def _whole_pieces(handle: IO[bytes]) -> int:
+    """Length up to and including the last rule that stands on a line of its own."""
+    content = handle.read()
+    ends = [match.end() for match in re.finditer(rb"(?m)^-{130}\n", content)]
+    return ends[-1] if ends else 0
+
+
+def _lines(starts: Sequence[str], values: ArrayLike) -> str:
+    """Three lines of nine numbers, ``1p,9e12.4`` each, after 13 columns of text."""
+    numbers = np.asarray(values, dtype=np.float64)
+    if len(numbers) < QUANTITIES:
+        raise ValueError(f"a print-out needs {QUANTITIES} quantities, not {len(numbers)}")
+    lines = []
+    for row, start in enumerate(starts):
+        lines.append(start + "".join(fortran_e(v, 12, 4) for v in numbers[9 * row : 9 * row + 9].tolist()) + "\n")
+    return "".join(lines)
+
+
+def _labels(*words: str) -> tuple[str, ...]:
+    return tuple(" " * 5 + word.ljust(8) for word in words)
+
+
+def _with_unit(label: str, unit: str) -> str:
+    return f"{label}[{unit}]" if unit else label
+
+
+def _row(numbers: FloatArray) -> str:
+    return "  " + "".join(fortran_e(v, 12, 4) for v in numbers.tolist())
+
+
+def _trace(tensor: FloatArray) -> str:
+    return "  trace/3  " + fortran_e(float(np.trace(tensor)) / 3.0, 12, 4) + "\n"
+
+
+def _diffusion(diffusion: Mapping[str, tuple[float, float]]) -> str:
+    text = "Approximate 3D Diffusion Coefficients and square root of MSDs:\n"
+    text += "      atom  DC (10^-9 m^2 s^-1)      Sqrt[MSD] (Ang)\n"
+    for species, (coefficient, distance) in diffusion.items():
+        numbers = "".join(" " * 8 + fortran_e(v, 13, 4) for v in (coefficient, distance))
+        text += f"  {species:<8}{numbers}\n"
+    return text + "\n"
+
+
+def _timings(summary: RunSummary) -> str:
+    per_step = summary.loop_seconds / summary.steps if summary.steps else 0.0
+    text = "".join(f"{name:<30}{fortran_f(seconds, 12, 3)} sec\n" for name, seconds in summary.timings.items())
+    # The sentence has the word order that readers of DL_POLY's OUTPUT look for.
+    text += f"Loop time for all the steps: {summary.loop_seconds:.3f} s, time per step: {per_step:.6f} s\n"
+    return text + f"time elapsed since job start: {fortran_f(summary.elapsed, 12, 3)} sec\n"
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())
