@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import NoReturn
 
 import numpy as np
-
 from pydlpoly.errors import InputError
 from pydlpoly.formats.config_writer import write_config, write_config_to
 from pydlpoly.formats.lexing import WORD_LIMIT, cannot_read, parse_integer, parse_number, plain_line_ends
@@ -17,7 +16,7 @@ from pydlpoly.formats.records import Configuration, FloatArray, IntArray
 
 __all__ = ["parse_config", "read_config", "write_config", "write_config_to"]
 
-_CHUNK = 20_000  # beads whose lines are held as words at the same time
+_CHUNK = 1_000  # beads whose lines are held as words at the same time; more makes the garbage collector slow
 _TITLE_LENGTH = 72
 _INDEX = re.compile(r"[+-]?[0-9]+")
 _KINDS = ("position", "velocity", "force")
@@ -37,15 +36,18 @@ def read_config(path: str | Path, ignore_indices: bool = False) -> Configuration
     Raises:
         InputError: the file is not a CONFIG, is damaged or cut short, or its indices are not 1 to N once each.
     """
-    for encoding in ("utf-8-sig", "latin-1"):
+    try:
         try:
-            with Path(path).open(encoding=encoding) as file:
-                return _ConfigReader(file, str(path), ignore_indices).read()
-        except UnicodeDecodeError:
-            continue  # an accent in the title; Latin-1 accepts every byte
-        except (OSError, ValueError) as error:
-            raise cannot_read(path, error) from error
-    raise AssertionError("unreachable")  # Latin-1 decodes everything
+            return _read_encoded(path, "utf-8-sig", ignore_indices)
+        except UnicodeDecodeError:  # an accent in the title; Latin-1 accepts every byte
+            return _read_encoded(path, "latin-1", ignore_indices)
+    except (OSError, ValueError) as error:
+        raise cannot_read(path, error) from error
+
+
+def _read_encoded(path: str | Path, encoding: str, ignore_indices: bool) -> Configuration:
+    with Path(path).open(encoding=encoding) as file:
+        return _ConfigReader(file, str(path), ignore_indices).read()
 
 
 def parse_config(text: str, path: str = "CONFIG", ignore_indices: bool = False) -> Configuration:
@@ -124,10 +126,13 @@ class _ConfigReader:
                 self._fail(f"not a DL_POLY CONFIG: line {number} is {shown!r}, as in a HISTORY trajectory", number)
         if not title and not second and not third:
             self._fail("not a DL_POLY CONFIG: the file is empty")
-        if len(second) >= 2 and all(_whole(word) is not None for word in second[:2]):
-            self.line = 2
-            next(self.lines)
-            return second
+        if len(second) < 2 or any(_whole(word) is None for word in second[:2]):
+            self._fail_header(title, second)
+        self.line = 2
+        next(self.lines)
+        return second
+
+    def _fail_header(self, title: str, second: list[str]) -> NoReturn:
         expected = "expected a title, then a line with levcfg and imcon (two whole numbers)"
         first = title.split()
         if len(first) in (2, 3) and all(_whole(word) is not None for word in first):
@@ -173,14 +178,12 @@ class _ConfigReader:
         if len(header) < 6:
             return 0, 0.0, 0.0
         step, timestep, time = parse_integer(header[3]), parse_number(header[4]), parse_number(header[5])
-        sensible = step is not None and timestep is not None and time is not None and step >= 0 and timestep >= 0.0
-        # DL_POLY's minimiser writes cycles and two energies there (CFGMIN), always at level 0.
-        if sensible and self.level == 0:
-            sensible = abs(time - step * timestep) <= 1e-3 * abs(time)  # type: ignore[operator]
-        if not sensible or step is None or timestep is None or time is None:
-            self._warn("the last three numbers of line 2 are not step, timestep and time; they are not used", 2)
-            return 0, 0.0, 0.0
-        return step, timestep, time
+        if step is not None and timestep is not None and time is not None and step >= 0 and timestep >= 0.0:
+            # DL_POLY's minimiser writes cycles and two energies there (CFGMIN), always at level 0.
+            if self.level > 0 or abs(time - step * timestep) <= 1e-3 * abs(time):
+                return step, timestep, time
+        self._warn("the last three numbers of line 2 are not step, timestep and time; they are not used", 2)
+        return 0, 0.0, 0.0
 
     # --- the beads ----------------------------------------------------------------------------------------------------
 

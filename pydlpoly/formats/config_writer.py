@@ -6,7 +6,6 @@ import io
 from typing import BinaryIO
 
 import numpy as np
-
 from pydlpoly.errors import InputError
 from pydlpoly.formats.fortran import (
     ByteColumns,
@@ -45,8 +44,8 @@ def write_config_to(file: BinaryIO, configuration: Configuration, digits: int | 
             cell and times with so many significant digits (17 reads back exactly), in longer records.
 
     Raises:
-        InputError: the configuration cannot be written so that it would be read back: arrays of the wrong shape, numbers
-            that are not finite, names that are empty, too long or have blanks, forces without velocities.
+        InputError: the configuration cannot be written so that it would be read back: arrays of the wrong shape,
+            numbers that are not finite, names that are empty, too long or have blanks, forces without velocities.
     """
     _check(configuration, digits)
     file.write(record(configuration.title))

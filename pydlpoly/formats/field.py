@@ -53,7 +53,7 @@ def parse_field(text: str, path: str = "FIELD", lenient: bool = False) -> Field:
     _check_dialect(raw, path)
     last = len(raw) - 1 if raw[-1] == "" and len(raw) > 1 else len(raw)
     lines = FieldLines(content_lines(raw[1:], first=2), path, last, lenient)
-    return _FieldParser(lines).parse(title=raw[0].strip())
+    return _FieldParser(lines).parse(title=raw[0].rstrip())
 
 
 def looks_like_dl_meso_field(text: str) -> bool:
