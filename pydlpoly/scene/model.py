@@ -1,8 +1,8 @@
 """The scene: everything that is to be modelled, complete, in internal units, immutable.
 
-Internal units are DL_POLY's: Å, ps, Da, e, energy 10 J/mol = 1 Da Å²/ps². In a scene with ``units dpd`` the same numbers
-are read as reduced ones (k_B = 1). ``thermal_energy`` is always k_B T in the internal energy unit, so that nothing below
-the scene needs to know a Boltzmann constant.
+Internal units are DL_POLY's: Å, ps, Da, e, energy 10 J/mol = 1 Da Å²/ps². In a scene with ``units dpd`` the same
+numbers are read as reduced ones (k_B = 1). ``thermal_energy`` is always k_B T in the internal energy unit, so that
+nothing below the scene needs to know a Boltzmann constant.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from pydlpoly.formats.records import FloatArray
 if TYPE_CHECKING:
     from pydlpoly.units import EnergyUnit
 
+Start = Literal["clean", "rescale", "noscale", "continue"]
 Origin = Literal["given", "mixed", "filled", "overridden", "default", "none"]
 
 
@@ -56,6 +57,7 @@ class Beads:
     velocities: FloatArray | None
 
     def __len__(self) -> int:
+        """Return the number of beads."""
         return len(self.mass)
 
 
@@ -136,6 +138,8 @@ class RunPlan:
         seed: seed of all noise and of the start velocities; None = drawn anew and printed.
         start: "clean" draws velocities, "rescale" scales the file's, "noscale" takes them, "continue" goes on from a
             checkpoint.
+        checkpoint_file: the checkpoint that "continue" goes on from.
+        threads: number of threads, 0 = all that are there.
     """
 
     steps: int
@@ -145,7 +149,9 @@ class RunPlan:
     regauss_every: int = 0
     force_cap: float = 0.0
     seed: int | None = None
-    start: Literal["clean", "rescale", "noscale", "continue"] = "clean"
+    start: Start = "clean"
+    checkpoint_file: str = "REVOLD"
+    threads: int = 0
 
 
 @dataclass(frozen=True)
@@ -180,7 +186,7 @@ class Scene:
     """A complete description of what is to be modelled; see the module's text for the units.
 
     Attributes:
-        units: FIELD's energy unit; its ``reduced`` says whether reports are in reduced units (k_B = 1).
+        units: the energy unit of reports; its ``reduced`` says whether they are in reduced units (k_B = 1).
         cell: (3, 3) cell vectors by row; for axes that are not periodic, the extent DL_POLY would report.
         periodic: periodicity along the three cell vectors.
         pairs: one term for every unordered pair of species, ordered (0,0), (0,1), (1,1), (0,2), …
@@ -188,6 +194,7 @@ class Scene:
         degrees_of_freedom: number of momenta that share the kinetic energy.
         long_range_correction: whether energies and pressures include the analytic tails beyond the cutoff.
         molecule_names, molecule_counts: FIELD's molecule types in order, and how many copies of each there are.
+        field_units: the energy unit of FIELD's numbers; not ``units`` when CONTROL alone asks for reduced reports.
         notes: everything that was chosen, ignored or is worth a warning, in the order it was met.
         sources: the files the scene was read from.
     """
@@ -210,6 +217,7 @@ class Scene:
     long_range_correction: bool = True
     molecule_names: tuple[str, ...] = ()
     molecule_counts: tuple[int, ...] = ()
+    field_units: EnergyUnit | None = None
     notes: tuple[Note, ...] = ()
     sources: tuple[str, ...] = field(default=())
 
@@ -219,7 +227,7 @@ class Scene:
         return len(self.beads)
 
     def explain(self) -> str:
-        """Return the whole scene in words and tables: what is modelled, what is not, and where each number came from."""
+        """Return the scene in words and tables: what is modelled, what is not, and where each number came from."""
         from pydlpoly.scene.explain import explain  # explain imports this module
 
         return explain(self)

@@ -1,0 +1,223 @@
+"""The ensemble, the temperature and the start: how a step is taken, and which momenta share the kinetic energy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from pydlpoly.formats.records import Configuration, FloatArray
+from pydlpoly.scene.beads import Layout
+from pydlpoly.scene.model import Dynamics, ExternalTerm, RunPlan, Start
+from pydlpoly.scene.settings import Notes, Settings
+from pydlpoly.units import BOLTZMANN
+
+_AVAILABLE = "available are ensemble nve, and ensemble nvt with ensemble_method dpd and ensemble_dpd_order mdvv"
+
+
+def resolve_dynamics(settings: Settings, reduced: bool, notes: Notes) -> Dynamics:
+    """Return integrator, timestep, k_B T and the thermostat's numbers; ``remove_drift`` is settled later.
+
+    Raises:
+        SceneError: an ensemble that is not modelled, a timestep that is not positive, a negative temperature.
+    """
+    timestep = settings.number("timestep")
+    if not timestep > 0.0:
+        raise settings.refusal("timestep", f"the timestep must be above 0 ps, not {timestep:g}")
+    temperature = _temperature(settings, reduced, notes)
+    if not _is_dpd(settings):
+        return Dynamics("nve", timestep, BOLTZMANN * temperature)
+    if temperature == 0.0:
+        notes.choice("the DPD thermostat has temperature 0: drag only, no noise", settings.where("temperature"))
+    prediction = settings.number("ensemble_dpd_lambda")
+    if not 0.0 <= prediction <= 1.0:
+        raise settings.refusal("ensemble_dpd_lambda", f"Groot and Warren's lambda lies in 0 to 1, not {prediction:g}")
+    exponent = settings.number("ensemble_dpd_exponent")
+    if not exponent > 0.0:
+        raise settings.refusal(
+            "ensemble_dpd_exponent", f"the exponent of the drag's weight must be above 0, not {exponent:g}"
+        )
+    return Dynamics("dpd-mdvv", timestep, BOLTZMANN * temperature, prediction, exponent)
+
+
+def _temperature(settings: Settings, reduced: bool, notes: Notes) -> float:
+    temperature = settings.number("temperature")
+    if not temperature >= 0.0:
+        raise settings.refusal("temperature", f"the temperature must not be negative, found {temperature:g} K")
+    given = settings.setting("temperature")
+    if given is None:
+        notes.choice("no temperature is given: 0 K", settings.path)
+    elif reduced and (given.unit is None or given.unit.lower() == "k"):
+        notes.warning(
+            f"units dpd, but the temperature is in K: {temperature:g} K is k_B T = {BOLTZMANN * temperature:.6g} in reduced "
+            f"units (write it with the unit dpd_temp, or as {1 / BOLTZMANN:.7f} K, for k_B T = 1)",
+            settings.where("temperature"),
+        )
+    return temperature
+
+
+def _is_dpd(settings: Settings) -> bool:
+    """Tell nve from the DPD thermostat; everything else is refused by name."""
+    ensemble = settings.word("ensemble")
+    if ensemble == "nve":
+        return False
+    method = settings.word("ensemble_method")
+    if ensemble != "nvt" or method != "dpd":
+        name = f"ensemble {ensemble}" + (f" {method}" if method else "")
+        raise settings.refusal("ensemble_method" if method else "ensemble", f"{name} is not modelled; {_AVAILABLE}")
+    order = settings.word("ensemble_dpd_order")
+    if order != "mdvv":
+        keyword = "ensemble_dpd_order" if settings.setting("ensemble_dpd_order") else "ensemble_method"
+        raise settings.refusal(
+            keyword, f"the DPD thermostat with ensemble_dpd_order {order} is not modelled; {_AVAILABLE}"
+        )
+    return True
+
+
+def resolve_run(settings: Settings, config: Configuration, notes: Notes) -> RunPlan:
+    """Return length, equilibration, seed and start of the run.
+
+    Raises:
+        SceneError: a negative number of steps or threads, or a seed that is not made of whole numbers.
+    """
+    steps, equilibration = settings.steps("time_run"), settings.steps("time_equilibration")
+    for keyword, number in (("time_run", steps), ("time_equilibration", equilibration)):
+        if number < 0:
+            raise settings.refusal(keyword, f"the number of steps must not be negative, found {number}")
+    if equilibration > steps > 0:
+        notes.warning(
+            f"equilibration ({equilibration} steps) is longer than the run ({steps} steps)",
+            settings.where("time_equilibration"),
+        )
+    plan = RunPlan(
+        steps=steps,
+        equilibration_steps=equilibration,
+        record_equilibration=settings.switch("record_equilibration"),
+        rescale_every=max(0, settings.steps("rescale_frequency")),
+        regauss_every=max(0, settings.steps("regauss_frequency")),
+        force_cap=_force_cap(settings),
+        seed=_seed(settings),
+        start=_start(settings, config, notes),
+        checkpoint_file=settings.text("io_file_revold"),
+        threads=_threads(settings),
+    )
+    measures = [("rescale_frequency", plan.rescale_every), ("regauss_frequency", plan.regauss_every)]
+    for keyword, value in [*measures, ("equilibration_force_cap", plan.force_cap)]:
+        if value and equilibration == 0:
+            notes.ignored(
+                f"{keyword} never acts: there is no equilibration (time_equilibration)", settings.where(keyword)
+            )
+    return plan
+
+
+def _threads(settings: Settings) -> int:
+    threads = settings.integer("threads")
+    if threads < 0:
+        raise settings.refusal("threads", f"the number of threads must not be negative, found {threads}")
+    return threads
+
+
+def _force_cap(settings: Settings) -> float:
+    cap = settings.number("equilibration_force_cap")
+    if cap < 0.0:
+        raise settings.refusal("equilibration_force_cap", f"the largest force must not be negative, found {cap:g}")
+    return cap
+
+
+def _start(settings: Settings, config: Configuration, notes: Notes) -> Start:
+    word = settings.word("restart")
+    starts: dict[str, Start] = {s: s for s in ("clean", "rescale", "noscale", "continue")}
+    if word not in starts:
+        raise settings.refusal("restart", f"the start is one of {', '.join(starts)}, not {word}")
+    start, where = starts[word], settings.where("restart")
+    if start in ("rescale", "noscale") and config.velocities is None:
+        notes.warning(
+            f"restart {start} needs velocities and {config.path} has none (levcfg 0): they are drawn as for restart clean "
+            "(DL_POLY's warning 200)",
+            where,
+        )
+        return "clean"
+    if start == "rescale" and config.velocities is not None and not config.velocities.any():
+        notes.warning(
+            "restart rescale cannot scale velocities that are all 0: they are drawn as for restart clean", where
+        )
+        return "clean"
+    return start
+
+
+def combine_seed(numbers: tuple[int, ...]) -> int:
+    """Return one 64-bit seed from whole numbers of any size and count.
+
+    Each number is added to the state together with 2⁶⁴/φ (9e3779b97f4a7c15 in hexadecimal), and the sum goes through
+    the finalizer of SplitMix64 (Steele, Lea, Flood, OOPSLA 2014): neighbouring triples give unrelated seeds, and the
+    order of the numbers matters.
+    """
+    mask, state = 2**64 - 1, 0
+    for number in numbers:
+        state = (state + number + 0x9E3779B97F4A7C15) & mask
+        state = ((state ^ (state >> 30)) * 0xBF58476D1CE4E5B9) & mask
+        state = ((state ^ (state >> 27)) * 0x94D049BB133111EB) & mask
+        state ^= state >> 31
+    return state
+
+
+def _seed(settings: Settings) -> int | None:
+    """Return the seed, or None when the file has none; one number alone is the seed itself, three are combined."""
+    numbers = settings.vector("random_seed")
+    if not settings.given("random_seed"):
+        return None
+    if any(number != int(number) for number in numbers):
+        raise settings.refusal("random_seed", "the seed is made of whole numbers")
+    whole = tuple(int(number) for number in numbers)
+    return whole[0] if len(whole) == 1 and 0 <= whole[0] < 2**64 else combine_seed(whole)
+
+
+def settle_momentum(
+    dynamics: Dynamics, layout: Layout, external: tuple[ExternalTerm, ...], settings: Settings, notes: Notes
+) -> tuple[Dynamics, int]:
+    """Return the dynamics with ``remove_drift`` settled, and the number of degrees of freedom.
+
+    The three momenta of the centre of mass do not count when they are 0 and stay 0: under nve because the drift is
+    removed, under the DPD thermostat, which conserves them by itself, unless frozen beads or external fields feed them.
+    """
+    mobile = int(np.count_nonzero(~layout.frozen))
+    disturbed = bool(external) or mobile < len(layout.frozen)
+    fixed = settings.switch("fixed_com")
+    if fixed and dynamics.integrator != "nve" and disturbed:
+        cause = "external fields" if external else "frozen beads"
+        notes.choice(
+            f"fixed_com: the DPD thermostat does not remove the drift that {cause} bring about, so all {3 * mobile} momenta "
+            "count as degrees of freedom",
+            settings.where("fixed_com"),
+        )
+        fixed = False
+    degrees = max(0, 3 * mobile - (3 if fixed else 0))
+    if degrees < 1:
+        notes.warning("no degree of freedom is left: the temperature is reported as 0")
+    return replace(dynamics, remove_drift=fixed and dynamics.integrator == "nve" and disturbed), degrees
+
+
+def start_velocities(
+    config: Configuration, layout: Layout, plan: RunPlan, fixed_com: bool, notes: Notes
+) -> FloatArray | None:
+    """Return the velocities to start from (Å/ps), or None when they are to be drawn.
+
+    Frozen beads have none. The drift of the centre of mass is taken out when its momenta do not count.
+    """
+    if plan.start == "clean" or config.velocities is None:
+        return None
+    velocities = np.array(config.velocities, dtype=np.float64)
+    if velocities[layout.frozen].any():
+        notes.choice("the velocities that the file gives to frozen beads are set to 0", config.path)
+        velocities[layout.frozen] = 0.0
+    if not fixed_com or plan.start == "continue" or layout.frozen.all():
+        return velocities
+    mass = np.where(layout.frozen, 0.0, layout.mass)
+    drift = mass @ velocities / mass.sum()
+    if np.abs(drift).max() > 1e-12 * max(float(np.abs(velocities).max()), 1e-300):
+        text = " ".join(f"{x:.4g}" for x in drift)
+        notes.choice(
+            f"fixed_com: the centre of mass drifts with {text} A/ps, which is taken out at the start", config.path
+        )
+        velocities[~layout.frozen] -= drift
+    return velocities

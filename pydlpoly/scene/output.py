@@ -1,0 +1,93 @@
+"""What a run writes: the part of CONTROL that has no influence on the physics."""
+
+from __future__ import annotations
+
+from pydlpoly.errors import SceneError, suggest
+from pydlpoly.formats.records import Field
+from pydlpoly.scene.model import OutputPlan, PairTerm
+from pydlpoly.scene.settings import Notes, Settings
+
+_TRAJECTORY_LEVELS = {"pos": 0, "pos-vel": 1, "pos-vel-force": 2}
+# DL_POLY keeps rolling averages over at least this many steps.
+_LEAST_STACK = 100
+
+
+def resolve_output(
+    settings: Settings, field: Field, species: tuple[str, ...], pairs: tuple[PairTerm, ...], cutoff: float, notes: Notes
+) -> OutputPlan:
+    """Return the intervals and names of everything that is written.
+
+    Args:
+        settings: CONTROL.
+        field: FIELD, for the pairs of its ``rdf`` block.
+        species: names of the species.
+        pairs: the pair table; without an ``rdf`` block every pair with a law is collected.
+        cutoff: the global cutoff (Å), the range of the radial distribution.
+        notes: receives what was adjusted.
+
+    Raises:
+        SceneError: a negative interval, or an ``rdf`` pair of unknown species.
+    """
+    rdf_every = _interval(settings, "rdf_frequency") if settings.switch("rdf_calculate") else 0
+    trajectory_file, statistics_file = settings.file_name("io_file_history"), settings.file_name("io_file_statis")
+    trajectory_every = _interval(settings, "traj_interval") if settings.switch("traj_calculate") else 0
+    statistics_every = _interval(settings, "stats_frequency")
+    return OutputPlan(
+        print_every=_interval(settings, "print_frequency"),
+        statistics_every=statistics_every if statistics_file else 0,
+        stack_size=_stack_size(settings, notes),
+        statistics_yaml=settings.switch("io_statis_yaml"),
+        trajectory_start=_interval(settings, "traj_start"),
+        trajectory_every=trajectory_every if trajectory_file else 0,
+        trajectory_level=_TRAJECTORY_LEVELS[settings.word("traj_key")],
+        rdf_every=rdf_every,
+        rdf_bin_width=_bin_width(settings, cutoff, notes),
+        rdf_pairs=_rdf_pairs(field, species, pairs) if rdf_every else (),
+        checkpoint_every=_interval(settings, "data_dump_frequency"),
+        output_file=settings.file_name("io_file_output"),
+        statistics_file=statistics_file or "STATIS",
+        trajectory_file=trajectory_file or "HISTORY",
+        rdf_file=settings.file_name("io_file_rdf") if settings.switch("rdf_print") else None,
+        configuration_file=settings.file_name("io_file_revcon"),
+        checkpoint_file=settings.file_name("io_file_revive"),
+    )
+
+
+def _interval(settings: Settings, keyword: str) -> int:
+    steps = settings.steps(keyword)
+    if steps < 0:
+        raise settings.refusal(keyword, f"the interval must not be negative, found {steps} steps")
+    return steps
+
+
+def _stack_size(settings: Settings, notes: Notes) -> int:
+    size = _interval(settings, "stack_size")
+    if 0 < size < _LEAST_STACK:
+        notes.choice(
+            f"rolling averages are taken over {_LEAST_STACK} steps, the least that DL_POLY uses, not {size}",
+            settings.where("stack_size"),
+        )
+    return max(size, _LEAST_STACK)
+
+
+def _bin_width(settings: Settings, cutoff: float, notes: Notes) -> float:
+    width = settings.number("rdf_binsize")
+    if 1e-5 <= width <= 0.25 * cutoff:
+        return width
+    reset = min(0.05, 0.25 * cutoff)
+    notes.warning(
+        f"rdf_binsize {width:g} lies outside 0.00001 to a quarter of the cutoff: {reset:g} A is used (DL_POLY's warning 340)",
+        settings.where("rdf_binsize"),
+    )
+    return reset
+
+
+def _rdf_pairs(field: Field, species: tuple[str, ...], pairs: tuple[PairTerm, ...]) -> tuple[tuple[int, int], ...]:
+    if not field.rdf_pairs:
+        return tuple(term.species for term in pairs if term.law is not None or term.drag > 0.0)
+    for name in (name for pair in field.rdf_pairs for name in pair):
+        if name not in species:
+            message = f"the rdf block names a species that no molecule has{suggest(name, species)}"
+            raise SceneError(message, path=field.path, word=name)
+    numbered = [sorted(species.index(name) for name in pair) for pair in field.rdf_pairs]
+    return tuple(dict.fromkeys((a, b) for a, b in numbered))
