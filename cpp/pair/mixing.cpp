@@ -16,7 +16,7 @@ namespace dlpoly::pair {
 
 namespace {
 
-double geometric(double a, double b) { return std::sqrt(a) * std::sqrt(b); }
+double geometric(double a, double b) { return std::sqrt(a * b); }
 
 double harmonic(double a, double b) { return a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0; }
 
