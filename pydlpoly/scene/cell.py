@@ -6,7 +6,7 @@ import numpy as np
 
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import Configuration, FloatArray
-from pydlpoly.scene.settings import Notes
+from pydlpoly.scene.settings import Notes, place
 
 _PERIODIC = {
     0: (False, False, False),
@@ -78,7 +78,7 @@ def _open(config: Configuration, cutoff: float, notes: Notes) -> FloatArray:
     extents = [_open_extent(config, axis, cutoff) for axis in range(3)]
     text = " x ".join(f"{x:g}" for x in extents)
     notes.choice(
-        f"no periodicity: volume and pressure are those of DL_POLY's box around the beads, {text} A", config.path
+        f"no periodicity: volume and pressure are those of DL_POLY's box around the beads, {text} ang", config.path
     )
     return np.diag(extents)
 
@@ -90,7 +90,9 @@ def _cubic(config: Configuration, notes: Notes) -> FloatArray:
     others = [float(x) for x in np.diag(config.cell)[1:] if x != edge]
     if others:
         text = ", ".join(f"{x:g}" for x in others)
-        notes.warning(f"imcon 1 uses only the first edge {edge:g}; {text} on the diagonal has no effect", config.path)
+        notes.warning(
+            f"imcon 1 uses only the first edge {edge:g}; {text} on the diagonal has no effect", place(config.path, None)
+        )
     _note_off_diagonal(config, notes)
     return np.diag([edge] * 3)
 
@@ -109,10 +111,10 @@ def _slab(config: Configuration, cutoff: float, notes: Notes) -> FloatArray:
     if np.any(cell[:2, 2] != 0.0):
         raise SceneError("a slab (imcon 6) needs its first two cell vectors in the xy plane", path=config.path)
     if np.any(cell[2, :2] != 0.0):
-        notes.warning("imcon 6: only the z component of the third cell vector is used", config.path)
+        notes.warning("imcon 6: only the z component of the third cell vector is used", place(config.path, None))
     extent = _open_extent(config, 2, cutoff)
     cell[2] = (0.0, 0.0, extent)
-    notes.choice(f"slab: volume and pressure use DL_POLY's extent along z, {extent:g} A", config.path)
+    notes.choice(f"slab: volume and pressure use DL_POLY's extent along z, {extent:g} ang", place(config.path, None))
     return cell
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from pydlpoly.formats.records import Configuration, FloatArray
 from pydlpoly.scene.beads import Layout
 from pydlpoly.scene.model import Dynamics, ExternalTerm, RunPlan, Start
-from pydlpoly.scene.settings import Notes, Settings
+from pydlpoly.scene.settings import Notes, Settings, place
 from pydlpoly.units import BOLTZMANN
 
 _AVAILABLE = "available are ensemble nve, and ensemble nvt with ensemble_method dpd and ensemble_dpd_order mdvv"
@@ -46,11 +46,11 @@ def _temperature(settings: Settings, reduced: bool, notes: Notes) -> float:
         raise settings.refusal("temperature", f"the temperature must not be negative, found {temperature:g} K")
     given = settings.setting("temperature")
     if given is None:
-        notes.choice("no temperature is given: 0 K", settings.path)
+        notes.choice("no temperature is given: 0 K", place(settings.path, None))
     elif reduced and (given.unit is None or given.unit.lower() == "k"):
         notes.warning(
-            f"units dpd, but the temperature is in K: {temperature:g} K is k_B T = {BOLTZMANN * temperature:.6g} in reduced "
-            f"units (write it with the unit dpd_temp, or as {1 / BOLTZMANN:.7f} K, for k_B T = 1)",
+            f"units dpd, but the temperature is in K: {temperature:g} K is k_B T = {BOLTZMANN * temperature:.6g}; for "
+            f"k_B T = 1 write it as 1 dpd_temp, or as {1 / BOLTZMANN:.7f} K",
             settings.where("temperature"),
         )
     return temperature
@@ -74,8 +74,8 @@ def _is_dpd(settings: Settings) -> bool:
     return True
 
 
-def resolve_run(settings: Settings, config: Configuration, notes: Notes) -> RunPlan:
-    """Return length, equilibration, seed and start of the run.
+def resolve_run(settings: Settings, thermostat: bool, config: Configuration, notes: Notes) -> RunPlan:
+    """Return length, equilibration, seed and start of the run; ``thermostat`` says whether noise needs a seed.
 
     Raises:
         SceneError: a negative number of steps or threads, or a seed that is not made of whole numbers.
@@ -101,6 +101,8 @@ def resolve_run(settings: Settings, config: Configuration, notes: Notes) -> RunP
         checkpoint_file=settings.text("io_file_revold"),
         threads=_threads(settings),
     )
+    if plan.seed is None and (thermostat or plan.start == "clean" or plan.regauss_every):
+        notes.choice("no random_seed: a seed is drawn anew for each run and printed", place(settings.path, None))
     measures = [("rescale_frequency", plan.rescale_every), ("regauss_frequency", plan.regauss_every)]
     for keyword, value in [*measures, ("equilibration_force_cap", plan.force_cap)]:
         if value and equilibration == 0:
@@ -132,8 +134,8 @@ def _start(settings: Settings, config: Configuration, notes: Notes) -> Start:
     start, where = starts[word], settings.where("restart")
     if start in ("rescale", "noscale") and config.velocities is None:
         notes.warning(
-            f"restart {start} needs velocities and {config.path} has none (levcfg 0): they are drawn as for restart clean "
-            "(DL_POLY's warning 200)",
+            f"restart {start} needs velocities, and {config.path} has none (levcfg 0): they are drawn, as for restart "
+            "clean (DL_POLY's warning 200)",
             where,
         )
         return "clean"
@@ -186,8 +188,8 @@ def settle_momentum(
     if fixed and dynamics.integrator != "nve" and disturbed:
         cause = "external fields" if external else "frozen beads"
         notes.choice(
-            f"fixed_com: the DPD thermostat does not remove the drift that {cause} bring about, so all {3 * mobile} momenta "
-            "count as degrees of freedom",
+            f"fixed_com: the DPD thermostat does not remove the drift that {cause} bring about, so all {3 * mobile} "
+            "momenta count as degrees of freedom",
             settings.where("fixed_com"),
         )
         fixed = False
@@ -208,7 +210,7 @@ def start_velocities(
         return None
     velocities = np.array(config.velocities, dtype=np.float64)
     if velocities[layout.frozen].any():
-        notes.choice("the velocities that the file gives to frozen beads are set to 0", config.path)
+        notes.choice("the velocities that the file gives to frozen beads are set to 0", place(config.path, None))
         velocities[layout.frozen] = 0.0
     if not fixed_com or plan.start == "continue" or layout.frozen.all():
         return velocities
@@ -217,7 +219,7 @@ def start_velocities(
     if np.abs(drift).max() > 1e-12 * max(float(np.abs(velocities).max()), 1e-300):
         text = " ".join(f"{x:.4g}" for x in drift)
         notes.choice(
-            f"fixed_com: the centre of mass drifts with {text} A/ps, which is taken out at the start", config.path
+            f"fixed_com: the centre of mass drifts with {text} ang/ps, which is taken out at the start", config.path
         )
         velocities[~layout.frozen] -= drift
     return velocities

@@ -10,6 +10,7 @@ from pydlpoly.formats.config import read_config
 from pydlpoly.formats.control import read_control, value_in
 from pydlpoly.formats.field import read_field
 from pydlpoly.formats.records import Configuration, Control, Field, PairTable
+from pydlpoly.formats.table import read_table
 from pydlpoly.scene.model import Scene
 from pydlpoly.scene.resolve import resolve
 
@@ -78,7 +79,5 @@ def _tables(folder: Path, control: Control, field: Field) -> tuple[tuple[PairTab
     else:
         names = ["TABLE", "TABVDW"] if control.style == "old" else ["TABVDW", "TABLE"]
     name = next((name for name in names if (folder / name).is_file()), names[0])
-    from pydlpoly.formats.table import read_table
-
     path = _find(folder, None, name, "the table of the tab pairs", "io_file_tabvdw")
     return tuple(read_table(path, field)), (str(path),)

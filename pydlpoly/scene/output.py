@@ -76,7 +76,8 @@ def _bin_width(settings: Settings, cutoff: float, notes: Notes) -> float:
         return width
     reset = min(0.05, 0.25 * cutoff)
     notes.warning(
-        f"rdf_binsize {width:g} lies outside 0.00001 to a quarter of the cutoff: {reset:g} A is used (DL_POLY's warning 340)",
+        f"rdf_binsize {width:g} lies outside 0.00001 to a quarter of the cutoff: {reset:g} ang is used (DL_POLY's "
+        "warning 340)",
         settings.where("rdf_binsize"),
     )
     return reset

@@ -274,7 +274,7 @@ class PairTableBuilder:
             text = (
                 f"{self._name(pair)}: table up to {table.cutoff:g}, van der Waals cutoff {self._rules.vdw_cutoff:g}: "
             )
-            self._notes.choice(f"{text}the pair ends at {cutoff:g} A, {reason}", table.path)
+            self._notes.choice(f"{text}the pair ends at {cutoff:g} ang, {reason}", place(table.path, None))
         values = np.array([table.energy, table.virial]) * self._factor
         return PairTerm(pair, "tab", (), cutoff, shift, table=values, table_spacing=table.spacing)
 

@@ -74,7 +74,7 @@ def resolve(
     )
 
     dynamics, degrees = settle_momentum(dynamics, layout, external, settings, notes)
-    run = resolve_run(settings, config, notes)
+    run = resolve_run(settings, rules.thermostat, config, notes)
     fixed = dynamics.remove_drift or degrees == 3 * sum(layout.mobile_counts()) - 3
     beads = Beads(
         species=layout.species,
@@ -172,16 +172,18 @@ def _cutoffs(settings: Settings, notes: Notes) -> tuple[float, float]:
     cutoff, vdw = settings.number("cutoff"), settings.number("vdw_cutoff")
     for keyword, value in (("cutoff", cutoff), ("vdw_cutoff", vdw)):
         if not math.isfinite(value) or value == 0.0 or (keyword == "cutoff" and value < 0.0):
-            raise settings.refusal(keyword, f"the cutoff must be above 0 A, not {value:g}")
+            raise settings.refusal(keyword, f"the cutoff must be above 0 ang, not {value:g}")
     if cutoff < _LEAST_CUTOFF:
-        notes.choice(f"cutoff {cutoff:g} A is used as it is; DL_POLY would take 1 A instead", settings.where("cutoff"))
+        notes.choice(
+            f"cutoff {cutoff:g} ang is used as it is; DL_POLY would take 1 ang instead", settings.where("cutoff")
+        )
     if vdw < 0.0:
         return cutoff, cutoff
     where = settings.where("vdw_cutoff")
     if vdw < _LEAST_CUTOFF:
-        notes.choice(f"vdw_cutoff {vdw:g} A is used as it is; DL_POLY would take the global cutoff instead", where)
+        notes.choice(f"vdw_cutoff {vdw:g} ang is used as it is; DL_POLY would take the global cutoff instead", where)
     if vdw > cutoff:
-        notes.choice(f"the global cutoff is raised from {cutoff:g} to vdw_cutoff, {vdw:g} A", where)
+        notes.choice(f"the global cutoff is raised from {cutoff:g} to vdw_cutoff, {vdw:g} ang", where)
     return max(cutoff, vdw), vdw
 
 
@@ -256,17 +258,19 @@ def _note_ranges(
     own = [t for t in pairs if t.law not in (None, "tab") and _core.pair_range(t.law, list(t.parameters)) > 0.0]
     longer = [t for t in own if t.cutoff > cutoff]
     if longer:
-        text = f"{named(longer)} keep the range of their law, beyond the global cutoff {cutoff:g} A"
+        text = f"{named(longer)} keep the range of their law, beyond the global cutoff {cutoff:g} ang"
         notes.choice(f"{text}; DL_POLY truncates them there")
     others = [t for t in pairs if t.law is not None and t not in own]
     longest = max((t.cutoff for t in own), default=math.inf)
     if others and longest < rules.vdw_cutoff:
-        text = f"{named(others)} end at the van der Waals cutoff {rules.vdw_cutoff:g} A"
-        notes.choice(f"{text}; DL_POLY cuts them at {longest:g} A, the longest range that FIELD gives")
+        text = f"{named(others)} end at the van der Waals cutoff {rules.vdw_cutoff:g} ang"
+        notes.choice(f"{text}; DL_POLY cuts them at {longest:g} ang, the longest range that FIELD gives")
     reach = max((max(t.cutoff, t.drag_cutoff) for t in pairs), default=0.0)
     if reach >= 0.5 * width:
-        text = f"the longest range {reach:g} A is at least half the cell's width, {width:g} A: a bead may meet several images"
-        notes.choice(f"{text} of another, and all count; DL_POLY would stop (error 95)")
+        text = (
+            f"the longest range {reach:g} ang is at least half the cell's width, {width:g} ang: a bead may meet several"
+        )
+        notes.choice(f"{text} images of another, and all count; DL_POLY would stop (error 95)")
 
 
 def _long_range(

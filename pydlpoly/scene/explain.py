@@ -1,0 +1,337 @@
+"""Scene.explain(): the whole scene in words and plain tables, with the origin of every number."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from pydlpoly.formats.records import FloatArray
+from pydlpoly.scene.cell import widths
+from pydlpoly.scene.laws import pair_laws
+from pydlpoly.scene.model import Note, PairTerm, Scene
+from pydlpoly.units import BOLTZMANN
+
+_WIDTH = 100
+_IMCON = {
+    0: "no periodicity",
+    1: "cubic",
+    2: "orthorhombic",
+    3: "parallelepiped",
+    6: "slab, periodic in x and y",
+}
+_START = {
+    "clean": "velocities drawn from the Maxwell distribution at the temperature",
+    "rescale": "the file's velocities, scaled to the temperature",
+    "noscale": "the file's velocities as they are",
+    "continue": "goes on from the checkpoint",
+}
+# Position, velocity, force, image, mass, species, and a sorted copy of what the pair loop reads.
+_BYTES_PER_BEAD = 200
+
+
+def explain(scene: Scene) -> str:
+    """Return the scene as text of at most 100 columns (more only where a file's name is longer)."""
+    sections = [
+        ("Scene", _title(scene)),
+        ("System", _system(scene)),
+        ("Integrator and thermostat", _dynamics(scene)),
+        ("Pair table", _pairs(scene)),
+        ("Cutoffs and link cells", _cutoffs(scene)),
+        ("Long-range correction", _long_range(scene)),
+        ("External fields", _external(scene)),
+        ("Run", _run(scene)),
+        ("Output", _output(scene)),
+        ("Not modelled or without effect", _absent(scene)),
+        ("Choices", _notes(scene, "choice")),
+        ("Warnings", _notes(scene, "warning")),
+    ]
+    return "\n\n".join("\n".join([title, "-" * len(title), *lines]) for title, lines in sections) + "\n"
+
+
+class _Words:
+    """Unit words for numbers in internal units; empty in a scene in reduced units."""
+
+    def __init__(self, scene: Scene) -> None:
+        reduced = scene.units.reduced
+        self.length, self.time, self.mass = ("", "", "") if reduced else (" ang", " ps", " Da")
+        self.drag, self.volume, self.density = ("", "", "") if reduced else (" Da/ps", " ang^3", " ang^-3")
+        self.force, self.velocity = ("", "") if reduced else (" Da ang/ps^2", " ang/ps")
+
+
+def _title(scene: Scene) -> list[str]:
+    units, field_units = scene.units, scene.field_units or scene.units
+    lines = [scene.title or "(no title)", *(f"from {source}" for source in scene.sources)]
+    if units.reduced:
+        lines.append("reports in reduced units: k_B = 1, pressure in energy per volume")
+    else:
+        lines.append(f"reports: energy in {units.label}, temperature in K, pressure in katm")
+    if units.reduced and field_units.reduced:
+        lines.append("all numbers below are reduced")
+    else:
+        lines.append("lengths in ang, times in ps, masses in Da; internal energy 10 J/mol")
+    return lines
+
+
+def _system(scene: Scene) -> list[str]:
+    word, beads = _Words(scene), scene.beads
+    volume = float(abs(np.linalg.det(scene.cell)))
+    rows = []
+    for number, name in enumerate(scene.species):
+        chosen = beads.species == number
+        frozen = int(np.count_nonzero(beads.frozen[chosen]))
+        values = (_spread(beads.mass[chosen]), _spread(beads.charge[chosen]))
+        rows.append([name, str(int(chosen.sum())), *values, str(frozen)])
+    molecules = [
+        f"{count} {name or '(no name)'}"
+        for name, count in zip(scene.molecule_names, scene.molecule_counts, strict=True)
+    ]
+    cell = ["  " + " ".join(f"{x:12.6g}" for x in row) for row in scene.cell]
+    return [
+        *_table(["species", "beads", "mass", "charge", "frozen"], rows),
+        *_wrap(f"molecules: {', '.join(molecules)}"),
+        f"cell: imcon {scene.imcon}, {_IMCON[scene.imcon]}",
+        *cell,
+        f"volume {volume:.6g}{word.volume}, {len(beads)} beads, {len(beads) / volume:.6g} beads per unit volume"
+        f"{word.density and ' (' + word.density.strip() + ')'}",
+    ]
+
+
+def _dynamics(scene: Scene) -> list[str]:
+    word, dynamics = _Words(scene), scene.dynamics
+    kelvin = dynamics.thermal_energy / BOLTZMANN
+    temperature = f"k_B T = {dynamics.thermal_energy:.9g}"
+    if not scene.units.reduced:
+        temperature = f"temperature {kelvin:.9g} K, {temperature} (10 J/mol)"
+    if dynamics.integrator == "nve":
+        lines = ["nve: velocity Verlet, no thermostat", f"{temperature}, for drawn or scaled velocities only"]
+    else:
+        exponent = dynamics.weight_exponent
+        lines = [
+            "dpd-mdvv: velocity Verlet with pairwise drag and noise (Groot and Warren)",
+            temperature,
+            f"prediction of the velocities lambda = {dynamics.prediction:g}",
+            f"weight of the drag (1 - r/rc)^{exponent:g}, of the noise (1 - r/rc)^{exponent / 2:g}; "
+            "noise^2 = 2 drag k_B T",
+        ]
+    drift = "is removed in every step" if dynamics.remove_drift else "is not removed"
+    return [
+        *lines,
+        f"timestep {dynamics.timestep:g}{word.time}",
+        f"degrees of freedom {scene.degrees_of_freedom}; drift of the centre of mass {drift}",
+    ]
+
+
+def _pairs(scene: Scene) -> list[str]:
+    units, word = scene.field_units or scene.units, _Words(scene)
+    thermostat = scene.dynamics.integrator != "nve"
+    headers = ["pair", "law", "parameters", "ends at", *(["drag", "noise", "drag ends at"] if thermostat else [])]
+    rows, texts = [], []
+    for term in scene.pairs:
+        row = [_pair_name(scene, term), term.law or "-", _parameters(term, 1.0 / units.factor), "-"]
+        if term.law is not None:
+            row[3] = f"{term.cutoff:g}" + (" shifted" if term.force_shift else "")
+        if thermostat:
+            end = f"{term.drag_cutoff:g}" if term.drag else "-"
+            row += [f"{term.drag:.6g}", f"{term.noise:.6g}", end]
+        rows.append(row)
+        text = f"{_pair_name(scene, term)}: {term.explanation}"
+        if term.law is not None and units.factor != 1.0 and term.parameters:
+            text += f"; in internal units {_parameters(term, 1.0)}"
+        texts.extend(_wrap(text, "  "))
+    energy = units.label or "reduced units"
+    lengths = f", lengths in{word.length}, drags in{word.drag}" if word.length else ""
+    laws = {term.law: pair_laws()[term.law].description for term in scene.pairs if term.law is not None}
+    return [
+        f"energies in {energy}{lengths}, as in FIELD",
+        *_table(headers, rows),
+        "where the numbers come from:",
+        *texts,
+        *(f"{key}: {description}" for key, description in laws.items()),
+    ]
+
+
+def _parameters(term: PairTerm, factor: float) -> str:
+    """Return ``A=25 rc=1`` with the energies multiplied by ``factor``."""
+    if term.law is None:
+        return "no conservative force"
+    if term.table is not None:
+        return f"table of {term.table.shape[1]} points, spacing {term.table_spacing:g}"
+    law = pair_laws()[term.law]
+    numbers = law.scaled(term.parameters, factor)
+    return " ".join(f"{name}={number:.6g}" for name, number in zip(law.parameter_names, numbers, strict=True))
+
+
+def _cutoffs(scene: Scene) -> list[str]:
+    word = _Words(scene)
+    reach = max((max(term.cutoff, term.drag_cutoff) for term in scene.pairs), default=0.0)
+    lines = [
+        f"global cutoff {scene.cutoff:g}{word.length}: range of the radial distribution",
+        f"van der Waals cutoff {scene.vdw_cutoff:g}{word.length}: where laws without a range of their own end",
+    ]
+    if reach <= 0.0:
+        return [*lines, "no pair forces: no link cells"]
+    count = len(scene.beads)
+    density = count / float(abs(np.linalg.det(scene.cell)))
+    neighbours = min(density * 2.0 / 3.0 * math.pi * reach**3, 0.5 * (count - 1))
+    cells = [max(1, math.floor(width / reach)) for width in widths(scene.cell)]
+    small = " (fewer than 3 along an axis: images are counted one by one)" if min(cells) < 3 else ""
+    return [
+        *lines,
+        f"longest range {reach:g}{word.length}: about {' x '.join(str(n) for n in cells)} link cells{small}",
+        f"about {neighbours:.3g} pairs a bead within it, {count * neighbours:.3g} pair evaluations a step",
+        f"memory: about {max(1.0, count * _BYTES_PER_BEAD / 1e6):.0f} MB",
+    ]
+
+
+def _long_range(scene: Scene) -> list[str]:
+    tails = sorted({term.law for term in scene.pairs if term.law is not None and pair_laws()[term.law].has_tail})
+    if not tails:
+        return ["none: no law of this scene reaches beyond its cutoff"]
+    if not scene.long_range_correction:
+        return [f"none, although {', '.join(tails)} would reach beyond the cutoff"]
+    return [f"energy and pressure include the tails of {', '.join(tails)} beyond their cutoffs"]
+
+
+def _external(scene: Scene) -> list[str]:
+    word, lines = _Words(scene), []
+    for term in scene.external:
+        numbers = " ".join(f"{x:g}" for x in term.parameters)
+        if term.key == "grav":
+            lines.append(f"grav: F = m G with G = ({numbers}) in internal units, from {term.explanation}")
+        else:
+            amplitude, waves = term.parameters
+            lines.append(
+                f"oshr: Fx = A cos(2 pi n z/Lz) with A = {amplitude:g}{word.force}, n = {waves:g}, from {term.explanation}"
+            )
+    return lines or ["none"]
+
+
+def _run(scene: Scene) -> list[str]:
+    run, word = scene.run, _Words(scene)
+    length = run.steps * scene.dynamics.timestep
+    lines = [f"{run.steps} {'step' if run.steps == 1 else 'steps'}, {length:g}{word.time or ' time units'} in all"]
+    if run.equilibration_steps:
+        averages = "from step 1 on" if run.record_equilibration else "after it"
+        lines.append(f"equilibration: the first {run.equilibration_steps} steps; averages are taken {averages}")
+        for every, what in ((run.rescale_every, "scaled to the temperature"), (run.regauss_every, "drawn anew")):
+            if every:
+                lines.append(f"  velocities are {what} {_every(every)} of it")
+        if run.force_cap:
+            lines.append(f"  forces are capped at {run.force_cap:g}{word.force} in it")
+    else:
+        lines.append("no equilibration")
+    source = f" {run.checkpoint_file}" if run.start == "continue" else ""
+    seed = "drawn anew for each run, and printed" if run.seed is None else str(run.seed)
+    threads = "all threads there are" if run.threads == 0 else f"{run.threads} threads"
+    return [*lines, f"start ({run.start}): {_START[run.start]}{source}", f"seed: {seed}", threads]
+
+
+def _output(scene: Scene) -> list[str]:
+    plan, word = scene.output, _Words(scene)
+    level = ("positions", "positions and velocities", "positions, velocities and forces", "compressed positions")
+    trajectory = f"{level[plan.trajectory_level]} from step {plan.trajectory_start}"
+    yaml = " as YAML" if plan.statistics_yaml else ""
+    pairs = ", ".join("-".join(scene.species[k] for k in pair) for pair in plan.rdf_pairs)
+    last = [name for name in (plan.configuration_file, plan.checkpoint_file) if name]
+    dump = f" and {_every(plan.checkpoint_every)}" if plan.checkpoint_every else ""
+    files = [
+        (plan.output_file, plan.print_every, f"report, rolling averages over {plan.stack_size} steps"),
+        (plan.statistics_file, plan.statistics_every, f"statistics{yaml}"),
+        (
+            plan.trajectory_file,
+            plan.trajectory_every,
+            f"{level[plan.trajectory_level]} from step {plan.trajectory_start}",
+        ),
+        (
+            plan.rdf_file,
+            plan.rdf_every,
+            f"radial distribution in bins of {plan.rdf_bin_width:g}{word.length} for {pairs}",
+        ),
+    ]
+    lines = [_wrap(f"{name}: {_every(every)}, {what}") for name, every, what in files if name and every]
+    silent = [name for name, every, _ in files if name and not every and name != plan.output_file]
+    flat = [line for block in lines for line in block]
+    if plan.output_file and not plan.print_every:
+        flat.insert(0, f"{plan.output_file}: the report, without lines during the run")
+    if last:
+        flat.append(f"{' and '.join(last)}: at the end{dump}")
+    if silent:
+        flat.append(f"not written: {', '.join(silent)}")
+    return flat or ["nothing is written"]
+
+
+def _absent(scene: Scene) -> list[str]:
+    absent = ["bonded terms", "electrostatics"]
+    if all(term.law is None for term in scene.pairs):
+        absent.append("conservative pair forces")
+    if scene.dynamics.integrator == "nve":
+        absent.append("drag and noise")
+    if not scene.external:
+        absent.append("external fields")
+    return [*_wrap(f"not in this scene, at no cost: {', '.join(absent)}"), *_note_lines(scene, "ignored")]
+
+
+def _notes(scene: Scene, kind: str) -> list[str]:
+    return _note_lines(scene, kind) or ["none"]
+
+
+def _note_lines(scene: Scene, kind: str) -> list[str]:
+    return [line for note in scene.notes if note.kind == kind for line in _wrap(_note_text(note), "* ")]
+
+
+def _note_text(note: Note) -> str:
+    return f"{note.text} [{note.where}]" if note.where else note.text
+
+
+# -- plain text -------------------------------------------------------------------------------------------------------
+
+
+def _pair_name(scene: Scene, term: PairTerm) -> str:
+    return "-".join(scene.species[k] for k in term.species)
+
+
+def _every(steps: int) -> str:
+    return "every step" if steps == 1 else f"every {steps} steps"
+
+
+def _spread(values: FloatArray) -> str:
+    if len(values) == 0:
+        return "-"
+    low, high = float(np.min(values)), float(np.max(values))
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+
+def _wrap(text: str, start: str = "") -> list[str]:
+    """Fold a sentence; words are never cut, so that names of files can be copied."""
+    return textwrap.wrap(
+        text,
+        _WIDTH,
+        initial_indent=start,
+        subsequent_indent="  " if start in ("", "* ") else " " * (len(start) + 2),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def _table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    """Align columns: words to the left, numbers to the right."""
+    rows = [list(row) for row in rows]
+    sizes = [max(len(cell) for cell in column) for column in zip(headers, *rows, strict=True)]
+    right = [all(_is_number(row[k]) for row in rows) for k in range(len(headers))]
+
+    def line(cells: Sequence[str]) -> str:
+        padded = [c.rjust(n) if r else c.ljust(n) for c, n, r in zip(cells, sizes, right, strict=True)]
+        return "  ".join(padded).rstrip()
+
+    return [line(headers), *(line(row) for row in rows)]
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return text == "-"
+    return True
