@@ -1,0 +1,32 @@
+"""Dissipative particle dynamics from DL_POLY-format files, ASE structures and Python."""
+
+from __future__ import annotations
+
+try:
+    from pydlpoly._core import __version__
+except ImportError as error:  # the source folder shadows the installed package, or the install is broken
+    raise ImportError(
+        "pydlpoly's compiled core is missing. If you are in a checkout of pydlpoly, its source folder hides the "
+        "installed package: install with `pip install -e .`, or run Python from another folder. Otherwise reinstall "
+        f"with `pip install pydlpoly`. ({error})"
+    ) from error
+
+from pydlpoly.errors import InputError, InputWarning, PydlpolyError, RunError, SceneError
+from pydlpoly.scene import Scene, load
+from pydlpoly.simulation import Observation, Simulation, SinglePoint, State, single_point
+
+__all__ = [
+    "InputError",
+    "InputWarning",
+    "Observation",
+    "PydlpolyError",
+    "RunError",
+    "Scene",
+    "SceneError",
+    "Simulation",
+    "SinglePoint",
+    "State",
+    "__version__",
+    "load",
+    "single_point",
+]

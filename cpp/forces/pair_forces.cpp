@@ -78,11 +78,11 @@ void PairForces::compute(const Box& box, Particles& particles, const Array3N& ve
     int energy_exponent = base_energy_exponent_;
     // Forces beyond the grid's reach are rare (a random start): the sums are then repeated on a grid coarse enough. The
     // choice depends on the largest force alone, so it is the same for any number of threads and any cell layout.
-    for (double largest = visit_pairs(box, request, exponent, energy_exponent); largest >= 1.0;
+    for (Largest largest = visit_pairs(box, request, exponent, energy_exponent);
+         largest.force >= 1.0 || largest.energy >= 1.0;
          largest = visit_pairs(box, request, exponent, energy_exponent)) {
-        const int coarser = std::ilogb(largest) + 1;
-        exponent -= coarser;
-        energy_exponent -= coarser;
+        exponent -= largest.force >= 1.0 ? std::ilogb(largest.force) + 1 : 0;
+        energy_exponent -= largest.energy >= 1.0 ? std::ilogb(largest.energy) + 1 : 0;
     }
     const std::vector<std::uint32_t>& order = cells_.order();
     const double unit = std::ldexp(1.0, -exponent);
@@ -114,8 +114,8 @@ void PairForces::compute(const Box& box, Particles& particles, const Array3N& ve
     }
 }
 
-// One walk over all pairs. Returns the largest term met, in units of the largest the grid allows.
-double PairForces::visit_pairs(const Box& box, const ForceRequest& request, int exponent, int energy_exponent) {
+// One walk over all pairs. Returns the largest terms met, in units of the largest the grids allow.
+PairForces::Largest PairForces::visit_pairs(const Box& box, const ForceRequest& request, int exponent, int energy_exponent) {
     sums_.assign(3 * cells_.order().size(), 0);
     workers_.resize(static_cast<std::size_t>(thread_limit()));
     for (PairWorker& worker : workers_) {
@@ -136,12 +136,17 @@ double PairForces::visit_pairs(const Box& box, const ForceRequest& request, int 
             }
         }
     }
-    const auto worst = std::max_element(workers_.begin(), workers_.end(),
-                                        [](const PairWorker& a, const PairWorker& b) { return a.largest < b.largest; });
-    if (!(worst->largest < std::numeric_limits<double>::infinity())) {
+    Largest largest;
+    const PairWorker* worst = &workers_.front();
+    for (const PairWorker& worker : workers_) {
+        worst = worker.largest > worst->largest ? &worker : worst;
+        largest.force = std::max(largest.force, worker.largest);
+        largest.energy = std::max(largest.energy, worker.largest_energy);
+    }
+    if (std::isinf(largest.force)) {
         report_overflow(*worst);
     }
-    return worst->largest;
+    return largest;
 }
 
 void PairForces::search_row(const Box& box, std::int32_t row, PairWorker& worker) {
@@ -272,27 +277,26 @@ void PairForces::flush(std::size_t kind, PairWorker& worker) {
             force[axis] = factor * d[axis] * scale;
             largest = std::max(largest, std::abs(force[axis]));
         }
-        bool finite = std::isfinite(factor);
+        double largest_energy = 0.0;
         if (worker.request.observe) {
-            largest = std::max(largest, std::abs(result.energy[k]) * energy_scale);
             const double reach = batch.distance_squared[k] * energy_scale;
-            for (const double part :
-                 {result.conservative[k], drag ? result.drag[k] : 0.0, drag ? result.noise[k] : 0.0}) {
-                largest = std::max(largest, std::abs(part) * reach);
+            largest_energy = std::abs(result.energy[k]) * energy_scale;
+            for (const double part : {result.conservative[k], drag ? result.drag[k] : 0.0, drag ? result.noise[k] : 0.0}) {
+                largest_energy = std::max(largest_energy, std::abs(part) * reach);
             }
-            finite = finite && std::isfinite(result.energy[k]);
         }
-        if (!finite) {
+        if (!std::isfinite(factor) || !std::isfinite(largest_energy)) {
             largest = std::numeric_limits<double>::infinity();
         }
-        if (largest >= largest_term) {
-            if (largest / largest_term > worker.largest) {
-                worker.largest = largest / largest_term;
-                worker.largest_i = batch.i[k];
-                worker.largest_j = batch.j[k];
-                worker.largest_distance = std::sqrt(batch.distance_squared[k]);
-            }
-            continue;
+        worker.largest_energy = std::max(worker.largest_energy, largest_energy / largest_term);
+        if (largest >= largest_term && largest / largest_term > worker.largest) {
+            worker.largest = largest / largest_term;
+            worker.largest_i = batch.i[k];
+            worker.largest_j = batch.j[k];
+            worker.largest_distance = std::sqrt(batch.distance_squared[k]);
+        }
+        if (largest >= largest_term || largest_energy >= largest_term) {
+            continue;  // this walk is repeated on a coarser grid
         }
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const std::int64_t rounded = std::llrint(force[axis]);

@@ -40,7 +40,12 @@ class PairForces {
 
   private:
     void gather(const Particles& particles, const Array3N& velocity, bool with_velocity);
-    [[nodiscard]] double visit_pairs(const Box& box, const ForceRequest& request, int exponent, int energy_exponent);
+    struct Largest {
+        double force = 0.0;
+        double energy = 0.0;
+    };
+
+    [[nodiscard]] Largest visit_pairs(const Box& box, const ForceRequest& request, int exponent, int energy_exponent);
     void search_row(const Box& box, std::int32_t row, PairWorker& worker);
     void search_cell_pair(std::uint32_t i_begin, std::uint32_t i_end, std::uint32_t j_begin, std::uint32_t j_end,
                           bool same_cell, const Vector3& shift, std::uint8_t image_ij, std::uint8_t image_ji,

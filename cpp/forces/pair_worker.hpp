@@ -32,7 +32,10 @@ struct PairWorker {
     double energy_scale = 0.0;
     WideSum energy;
     std::array<WideSum, 9> conservative, drag, noise;
-    double largest = 0.0;  // in units of the largest term allowed; above 1 the sums must be repeated on a coarser grid
+    // Largest force term and largest energy or virial term met, in units of the largest term allowed; above 1 the sums
+    // must be repeated on a coarser grid. Apart, so that observing a step never changes its forces.
+    double largest = 0.0;
+    double largest_energy = 0.0;
     std::uint32_t largest_i = 0, largest_j = 0;
     double largest_distance = 0.0;
 
@@ -47,6 +50,7 @@ struct PairWorker {
         energy = WideSum();
         conservative = drag = noise = {};
         largest = 0.0;
+        largest_energy = 0.0;
     }
 };
 

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pair/arithmetic.hpp"
@@ -52,7 +53,8 @@ class Tabulated {
     PairValue operator()(double distance_squared) const noexcept {
         const double distance = std::sqrt(distance_squared);
         const double position = distance * inverse_spacing_ - 1.0;  // in spacings from the first node
-        const double lower = std::clamp(std::floor(position), 0.0, last_interval_);
+        // Written so that a distance that is not a number reads the last interval, not memory outside the table.
+        const double lower = std::max(0.0, std::min(last_interval_, std::floor(position)));
         const Node& a = nodes_[static_cast<std::size_t>(lower)];
         const Node& b = nodes_[static_cast<std::size_t>(lower) + 1];
         const double t = std::max(0.0, position - lower);

@@ -1,0 +1,5 @@
+"""``python -m pydlpoly``."""
+
+from pydlpoly.cli import main
+
+main()

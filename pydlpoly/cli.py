@@ -1,0 +1,237 @@
+"""The command line: ``pydlpoly run | check | explain | convert``.
+
+Exit codes: 0 done, 1 the input was refused, 2 wrong usage, 3 the run stopped being physical, 130 interrupted by Ctrl-C
+(after writing the checkpoint).
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, NoReturn
+
+import typer
+
+from pydlpoly import __version__
+from pydlpoly.errors import InputError, PydlpolyError, RunError, suggest
+from pydlpoly.formats.atomic import replace_file
+from pydlpoly.formats.control import read_control, write_control
+from pydlpoly.runner import RunResult, run_scene
+from pydlpoly.scene import Scene, load
+
+EXIT_REFUSED, EXIT_USAGE, EXIT_STOPPED, EXIT_INTERRUPTED = 1, 2, 3, 130
+
+app = typer.Typer(
+    add_completion=False, no_args_is_help=True, help="Dissipative particle dynamics from DL_POLY-format files."
+)
+
+Directory = Annotated[Path | None, typer.Argument(help="Folder with CONTROL, FIELD and CONFIG.", show_default=False)]
+Example = Annotated[str | None, typer.Option(help="Use a shipped example instead of a folder.")]
+ControlFile = Annotated[Path | None, typer.Option("--control", help="CONTROL file in place of DIRECTORY's.")]
+FieldFile = Annotated[Path | None, typer.Option("--field", help="FIELD file in place of DIRECTORY's.")]
+ConfigFile = Annotated[Path | None, typer.Option("--config", help="CONFIG file in place of DIRECTORY's.")]
+Lenient = Annotated[bool, typer.Option("--lenient", help="Unknown or misspelt words are warnings, not errors.")]
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"pydlpoly {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and stop.")
+    ] = False,
+) -> None:
+    """Dissipative particle dynamics from DL_POLY-format files."""
+
+
+@app.command()
+def run(
+    directory: Directory = None,
+    *,
+    example: Example = None,
+    control: ControlFile = None,
+    field: FieldFile = None,
+    config: ConfigFile = None,
+    steps: Annotated[int | None, typer.Option(min=0, help="Total number of steps in place of CONTROL's.")] = None,
+    threads: Annotated[int | None, typer.Option(min=1, help="Threads; results do not depend on it.")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of noise and start velocities.")] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(help="Folder for the output files (default: DIRECTORY; for examples the current one)."),
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Continue from the checkpoint in the output folder.")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No progress bar and no closing words.")] = False,
+    lenient: Lenient = False,
+) -> None:
+    """Run a simulation and write OUTPUT, STATIS, HISTORY, RDFDAT, REVCON and the checkpoint."""
+    scene, folder = _scene(directory, example, control, field, config, lenient=lenient)
+    target = output if output is not None else folder if example is None else Path()
+    result = run_scene(
+        scene,
+        target,
+        steps=steps,
+        threads=threads,
+        seed=seed,
+        checkpoint=_checkpoint(scene, folder, target, resume=resume),
+        progress=not quiet,
+    )
+    if not quiet:
+        _closing_words(result)
+    if result.interrupted:
+        again = _command_line(directory, example, target, output)
+        typer.echo(
+            f"Interrupted at step {result.simulation.step}; everything is written. Continue with: {again} --resume",
+            err=True,
+        )
+        raise typer.Exit(EXIT_INTERRUPTED)
+
+
+@app.command()
+def check(
+    directory: Directory = None,
+    *,
+    example: Example = None,
+    control: ControlFile = None,
+    field: FieldFile = None,
+    config: ConfigFile = None,
+    lenient: Lenient = False,
+) -> None:
+    """Read and resolve the input, say what is odd about it, and stop there."""
+    scene, _ = _scene(directory, example, control, field, config, lenient=lenient)
+    for note in scene.notes:
+        place = f"{note.where}: " if note.where else ""
+        typer.echo(f"{note.kind}: {place}{note.text}")
+    beads = scene.bead_count
+    typer.echo(
+        f"ok: {beads} beads of {len(scene.species)} species, {scene.run.steps} steps of {scene.dynamics.timestep} ps"
+    )
+
+
+@app.command()
+def explain(
+    directory: Directory = None,
+    *,
+    example: Example = None,
+    control: ControlFile = None,
+    field: FieldFile = None,
+    config: ConfigFile = None,
+    lenient: Lenient = False,
+) -> None:
+    """Print what will be modelled, what will not, and where every number comes from."""
+    scene, _ = _scene(directory, example, control, field, config, lenient=lenient)
+    typer.echo(scene.explain())
+
+
+@app.command()
+def convert(
+    source: Annotated[Path, typer.Argument(help="A CONTROL file of either style.")],
+    *,
+    to: Annotated[str, typer.Option(help="new | old: the style of CONTROL to write.")] = "new",
+    output: Annotated[Path | None, typer.Option(help="File to write (default: standard output).")] = None,
+    lenient: Lenient = False,
+) -> None:
+    """Rewrite CONTROL in the other style."""
+    if to not in ("new", "old"):
+        raise typer.BadParameter(f"'{to}' is no style of CONTROL; expected new or old", param_hint="--to")
+    record = read_control(source, lenient=lenient)
+    for warning in record.warnings:
+        typer.echo(f"warning: {warning}", err=True)
+    text = write_control(replace(record, style="new" if to == "new" else "old"))
+    if output is None:
+        typer.echo(text, nl=False)
+    else:
+        replace_file(output, text)
+
+
+def example_names() -> list[str]:
+    """Return the names of the shipped examples."""
+    folder = resources.files("pydlpoly") / "examples"
+    return sorted(entry.name for entry in folder.iterdir() if (entry / "CONTROL").is_file())
+
+
+def example_folder(name: str) -> Path:
+    """Return the folder of a shipped example. Raises InputError for an unknown name, with the names there are."""
+    if name not in example_names():
+        known = ", ".join(example_names())
+        raise InputError(f"there is no such example; there are {known}{suggest(name, example_names())}", word=name)
+    return Path(str(resources.files("pydlpoly") / "examples" / name))
+
+
+def _scene(
+    directory: Path | None,
+    example: str | None,
+    control: Path | None,
+    field: Path | None,
+    config: Path | None,
+    *,
+    lenient: bool,
+) -> tuple[Scene, Path]:
+    if example is not None and directory is not None:
+        raise typer.BadParameter("give either a DIRECTORY or --example, not both")
+    if example is not None:
+        folder = example_folder(example)
+    elif directory is not None:
+        folder = directory
+    elif control is not None:
+        folder = control.parent
+    else:
+        raise typer.BadParameter("give a DIRECTORY with CONTROL, FIELD and CONFIG, or --example NAME")
+    resolved = [None if path is None else path.resolve() for path in (control, field, config)]
+    return load(folder, control=resolved[0], field=resolved[1], config=resolved[2], lenient=lenient), folder
+
+
+def _checkpoint(scene: Scene, folder: Path, target: Path, *, resume: bool) -> Path | None:
+    if resume:
+        path = target / (scene.output.checkpoint_file or "REVIVE")
+        if not path.is_file():
+            raise InputError("there is no checkpoint to resume from", path=str(path))
+        return path
+    if scene.run.start == "continue":
+        for path in (folder / scene.run.checkpoint_file, target / (scene.output.checkpoint_file or "REVIVE")):
+            if path.is_file():
+                return path
+        raise InputError(
+            "CONTROL asks to continue, but there is no such checkpoint", path=str(folder / scene.run.checkpoint_file)
+        )
+    return None
+
+
+def _closing_words(result: RunResult) -> None:
+    simulation = result.simulation
+    seen = simulation.observe()
+    units = simulation.scene.units
+    rate = simulation.scene.bead_count * simulation.steps_per_second / 1e6
+    typer.echo(
+        f"step {simulation.step}: T = {seen.temperature:.5g} {units.temperature_label}, P = {seen.pressure:.5g} "
+        f"{units.pressure_label}, {rate:.2f} million bead-steps a second; seed {simulation.seed}; files in {result.folder}"
+    )
+
+
+def _command_line(directory: Path | None, example: str | None, target: Path, output: Path | None) -> str:
+    words = ["pydlpoly run", str(directory) if directory is not None else ""]
+    if example is not None:
+        words = ["pydlpoly run", f"--example {example}"]
+    if output is not None:
+        words.append(f"--output {target}")
+    return " ".join(word for word in words if word)
+
+
+def main() -> NoReturn:
+    """Entry point of the ``pydlpoly`` command."""
+    try:
+        app(standalone_mode=True)
+    except RunError as error:
+        typer.echo(f"pydlpoly: stopped: {error}", err=True)
+        sys.exit(EXIT_STOPPED)
+    except PydlpolyError as error:
+        typer.echo(f"pydlpoly: {error}", err=True)
+        sys.exit(EXIT_REFUSED)
+    sys.exit(0)

@@ -1,0 +1,188 @@
+"""The native engine: hands a scene to the compiled core and reads the core's state back.
+
+Everything here is in internal units (Å, ps, Da, 10 J/mol); the scene has already decided every number.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pydlpoly import _core
+from pydlpoly.errors import SceneError
+from pydlpoly.formats.records import FloatArray
+from pydlpoly.scene.model import PairTerm, Scene
+
+
+@dataclass(frozen=True)
+class Totals:
+    """What the core observed in one step.
+
+    Attributes:
+        pair_energy: pair energy with the long-range correction, internal energy.
+        conservative, drag, noise, kinetic: (3, 3) sums Σ F_a r_b over pairs (long-range correction in the first) and
+            Σ m v_a v_b over beads, internal energy; the stress of each part is this over the volume.
+        momentum: (3,) total momentum, Da Å/ps.
+    """
+
+    pair_energy: float
+    conservative: FloatArray
+    drag: FloatArray
+    noise: FloatArray
+    kinetic: FloatArray
+    momentum: FloatArray
+    volume: float
+
+
+def default_threads() -> int:
+    """Number of threads when none is asked for: OMP_NUM_THREADS, else the processors this process may use."""
+    words = os.environ.get("OMP_NUM_THREADS", "").split(",")
+    if words[0].isdigit() and int(words[0]) > 0:
+        return int(words[0])
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class NativeEngine:
+    """One simulation in the compiled core.
+
+    Args:
+        scene: what to model.
+        seed: seed of noise and start velocities, 0 … 2^64 − 1.
+        threads: number of threads; results do not depend on it.
+        cell_width: link cells of at least this width (Å) instead of one cutoff; 0 = one cutoff. Never changes results.
+    """
+
+    def __init__(self, scene: Scene, *, seed: int, threads: int, cell_width: float = 0.0) -> None:
+        self.threads = threads
+        self._tail = long_range_tail(scene)
+        beads = scene.beads
+        velocities = np.zeros((len(beads), 3)) if beads.velocities is None else beads.velocities
+        try:
+            self.system = _core.System(
+                cell=scene.cell,
+                periodic=list(scene.periodic),
+                positions=beads.positions,
+                velocities=velocities,
+                mass=beads.mass.tolist(),
+                species=beads.species.tolist(),
+                frozen=beads.frozen.tolist(),
+                pairs=_pair_table(scene),
+                settings=_step_settings(scene, seed),
+            )
+        except ValueError as error:
+            raise SceneError(str(error)) from error
+        for term in scene.external:
+            self.system.add_external_field(term.key, list(term.parameters))
+        self.system.set_cell_width(cell_width)
+
+    def start(self, scene: Scene) -> None:
+        """Give the beads the velocities that the scene's start asks for, and compute the first forces."""
+        if scene.run.start == "clean" or scene.beads.velocities is None:
+            self.system.draw_velocities(True)
+        else:
+            mobile = int(np.count_nonzero(~scene.beads.frozen))
+            if scene.dynamics.remove_drift or scene.degrees_of_freedom == 3 * mobile - 3:
+                self.system.remove_drift()
+            if scene.run.start == "rescale":
+                self.system.rescale_velocities()
+        self.initialise()
+
+    def initialise(self) -> None:
+        """Compute and observe the forces of the present state."""
+        _core.set_threads(self.threads)
+        self.system.initialise()
+
+    def run(self, steps: int) -> None:
+        """Take ``steps`` steps and observe the last one. Raises RunError when a force or position is not finite."""
+        _core.set_threads(self.threads)
+        self.system.run(steps)
+
+    def totals(self) -> Totals:
+        """Return what was observed at the last observed step."""
+        system = self.system
+        energy, virial = self._tail
+        return Totals(
+            pair_energy=system.pair_energy + energy,
+            conservative=system.conservative_virial_tensor - np.eye(3) * (virial / 3.0),
+            drag=system.drag_virial_tensor,
+            noise=system.noise_virial_tensor,
+            kinetic=system.kinetic_tensor,
+            momentum=system.momentum,
+            volume=system.volume,
+        )
+
+    def distance_counts(self, bins: int, species: int) -> NDArray[np.int64]:
+        """Return pair distance counts, (species, species, bins), pairs counted once under a ≤ b."""
+        return np.asarray(self.system.distance_counts()).reshape(species, species, bins)
+
+
+def _pair_table(scene: Scene) -> _core.PairTable:
+    table = _core.PairTable(len(scene.species))
+    for term in scene.pairs:
+        a, b = term.species
+        try:
+            if term.table is not None:
+                energy, virial = term.table
+                table.set_table(
+                    a, b, energy.tolist(), virial.tolist(), term.table_spacing, term.cutoff, term.force_shift
+                )
+            elif term.law is not None:
+                table.set_law(a, b, term.law, list(term.parameters), term.cutoff, term.force_shift)
+            if term.drag > 0.0 and scene.dynamics.integrator != "nve":
+                table.set_drag(a, b, term.drag, term.noise, term.drag_cutoff)
+        except ValueError as error:
+            names = f"{scene.species[a]} {scene.species[b]}"
+            raise SceneError(f"pair {names}: {error}") from error
+    return table
+
+
+def _step_settings(scene: Scene, seed: int) -> _core.StepSettings:
+    dynamics, run = scene.dynamics, scene.run
+    settings = _core.StepSettings()
+    settings.timestep = dynamics.timestep
+    settings.thermal_energy = dynamics.thermal_energy
+    settings.weight_exponent = dynamics.weight_exponent
+    settings.prediction = dynamics.prediction
+    settings.drag = dynamics.integrator != "nve"
+    settings.remove_drift = dynamics.remove_drift
+    settings.seed = seed
+    settings.degrees_of_freedom = scene.degrees_of_freedom
+    settings.force_cap = run.force_cap
+    settings.equilibration_steps = run.equilibration_steps
+    settings.rescale_every = run.rescale_every
+    settings.regauss_every = run.regauss_every
+    return settings
+
+
+def long_range_tail(scene: Scene) -> tuple[float, float]:
+    """Return the long-range corrections (energy, virial) of the scene's uncut laws, internal energy.
+
+    Energy (2π/V) N_a N_b ∫_rc^∞ U r² dr for each ordered pair of species and the virial with r³ dU/dr, as DL_POLY has
+    them; pairs of frozen beads count nothing. Both are zero where the scene switches corrections off.
+    """
+    if not scene.long_range_correction:
+        return 0.0, 0.0
+    volume = abs(float(np.linalg.det(scene.cell)))
+    beads = scene.beads
+    count = len(scene.species)
+    total = np.bincount(beads.species, minlength=count)
+    frozen = np.bincount(beads.species[beads.frozen], minlength=count)
+    energy = virial = 0.0
+    for term in scene.pairs:
+        a, b = term.species
+        tail = _tail_of(term)
+        pairs = float(total[a] * total[b] - frozen[a] * frozen[b]) * (1.0 if a == b else 2.0)
+        energy += 2.0 * math.pi / volume * pairs * tail[0]
+        virial += 2.0 * math.pi / volume * pairs * tail[1]
+    return energy, virial
+
+
+def _tail_of(term: PairTerm) -> tuple[float, float]:
+    if term.law is None or term.force_shift or term.table is not None:
+        return 0.0, 0.0
+    energy, virial = _core.pair_tail(term.law, list(term.parameters), term.cutoff)
+    return float(energy), float(virial)

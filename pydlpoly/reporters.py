@@ -1,0 +1,373 @@
+"""Reporters that write DL_POLY's files: OUTPUT, STATIS, HISTORY, RDFDAT, REVCON and the checkpoint.
+
+A reporter is shown the simulation in the steps it asks for and never changes it. Energies and virials go out in FIELD's
+energy unit, temperatures and pressures in K and katm (reduced with ``units dpd``).
+"""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pydlpoly import __version__
+from pydlpoly.formats.atomic import atomic_file
+from pydlpoly.formats.config_writer import write_config_to
+from pydlpoly.formats.history import HistoryWriter
+from pydlpoly.formats.output import OutputWriter, RollingAverages, RunningAverages, RunSummary
+from pydlpoly.formats.rdfdat import normalise_rdf, write_rdf
+from pydlpoly.formats.records import Configuration, FloatArray
+from pydlpoly.formats.statis import STATISTICS_NAMES, StatisticsRecord, StatisticsWriter
+from pydlpoly.simulation import Simulation
+
+_TENSORS = ("kinetic", "conservative", "drag", "noise")
+
+
+def every(step: int, interval: int, start: int = 0) -> int | None:
+    """Return the first step after ``step`` of the form start + k·interval, or None when the interval is 0."""
+    if interval <= 0:
+        return None
+    if step < start:
+        return start
+    return start + ((step - start) // interval + 1) * interval
+
+
+def square_displacements(simulation: Simulation) -> tuple[float, ...]:
+    """Return the mean-square displacement of each species since the start, Å²; 0 for species without beads."""
+    moved = np.sum((simulation.state.unwrapped - simulation.start_positions) ** 2, axis=1)
+    species = simulation.scene.beads.species
+    count = len(simulation.scene.species)
+    total = np.bincount(species, weights=moved, minlength=count)
+    return tuple((total / np.maximum(np.bincount(species, minlength=count), 1)).tolist())
+
+
+def statistics_record(simulation: Simulation) -> StatisticsRecord:
+    """Return the present step as DL_POLY's row of statistics."""
+    seen = simulation.observe()
+    units = simulation.scene.units
+    alpha, beta, gamma = _cell_angles(simulation.scene.cell)
+    pressure_volume = seen.pressure / units.pressure_factor * seen.volume
+    return StatisticsRecord(
+        step=seen.step,
+        time=seen.time,
+        extended_energy=seen.energy["total"] / units.factor,
+        temperature=seen.temperature,
+        configurational_energy=seen.energy["potential"] / units.factor,
+        short_range_energy=seen.energy["pair"] / units.factor,
+        enthalpy=(seen.energy["total"] + pressure_volume) / units.factor,
+        virial=seen.virial / units.factor,
+        short_range_virial=seen.pair_virial / units.factor,
+        volume=seen.volume,
+        cell_alpha=alpha,
+        cell_beta=beta,
+        cell_gamma=gamma,
+        pressure=seen.pressure,
+        stress=seen.stress,
+        square_displacements=square_displacements(simulation),
+    )
+
+
+def _cell_angles(cell: FloatArray) -> tuple[float, float, float]:
+    a, b, c = cell
+
+    def angle(u: FloatArray, v: FloatArray) -> float:
+        cosine = float(u @ v / (np.linalg.norm(u) * np.linalg.norm(v)))
+        return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+
+    return angle(b, c), angle(a, c), angle(a, b)
+
+
+class StatisticsReporter:
+    """Writes STATIS."""
+
+    def __init__(self, simulation: Simulation, path: Path, *, append: bool = False) -> None:
+        scene = simulation.scene
+        self._every = scene.output.statistics_every
+        self._writer = StatisticsWriter(
+            path,
+            scene.title,
+            scene.units.statis_label,
+            scene.species,
+            yaml=scene.output.statistics_yaml,
+            append=append,
+            keep_until=simulation.step if append else None,
+        )
+        if not append:
+            self.report(simulation)
+
+    def next_step(self, step: int) -> int | None:
+        """Return the next multiple of ``stats_frequency``."""
+        return every(step, self._every)
+
+    def report(self, simulation: Simulation) -> None:
+        """Write one record."""
+        self._writer.write(statistics_record(simulation))
+
+    def sync(self) -> None:
+        """Force everything written so far to the disk."""
+        self._writer.sync()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._writer.close()
+
+
+class TrajectoryReporter:
+    """Writes HISTORY."""
+
+    def __init__(self, simulation: Simulation, path: Path, *, append: bool = False) -> None:
+        scene = simulation.scene
+        self._start, self._every = scene.output.trajectory_start, scene.output.trajectory_every
+        self._level = scene.output.trajectory_level
+        self._writer = HistoryWriter(
+            path,
+            scene.title,
+            self._level,
+            scene.imcon,
+            [scene.species[k] for k in scene.beads.species],
+            scene.beads.mass,
+            scene.beads.charge,
+            append=append,
+            keep_until=simulation.step if append else None,
+        )
+        if not append and self._start == 0:
+            self.report(simulation)
+
+    def next_step(self, step: int) -> int | None:
+        """Return the next step of the form start + k·interval."""
+        return every(step, self._every, self._start)
+
+    def report(self, simulation: Simulation) -> None:
+        """Write one frame."""
+        state = simulation.state
+        self._writer.write(
+            state.step,
+            state.time,
+            simulation.scene.dynamics.timestep,
+            simulation.scene.cell,
+            state.positions,
+            velocities=state.velocities if self._level >= 1 else None,
+            forces=state.forces if self._level >= 2 else None,
+            displacements=np.linalg.norm(state.unwrapped - simulation.start_positions, axis=1),
+        )
+
+    def sync(self) -> None:
+        """Force everything written so far to the disk."""
+        self._writer.sync()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._writer.close()
+
+
+class OutputReporter:
+    """Writes OUTPUT and keeps the averages: rolling over the stack, and over all samples after equilibration.
+
+    Samples are taken in the steps of ``stats_frequency`` (``print_frequency`` when that is 0).
+    """
+
+    name = "averages"
+
+    def __init__(self, simulation: Simulation, path: Path | None, *, append: bool = False) -> None:
+        scene = simulation.scene
+        output = scene.output
+        self._print_every = output.print_every
+        self._sample_every = output.statistics_every or output.print_every
+        self._after = 0 if scene.run.record_equilibration else scene.run.equilibration_steps
+        count = len(STATISTICS_NAMES) + len(scene.species)
+        self._rolling = RollingAverages(output.stack_size, count)
+        self._averages = RunningAverages(count + 9 * len(_TENSORS))
+        self._begin = clock.perf_counter()
+        self._first_step = simulation.step
+        self._restore(simulation.restored_state(self.name))
+        self._writer: OutputWriter | None = None
+        if path is not None:
+            units = scene.units
+            self._writer = OutputWriter(
+                path,
+                __version__,
+                scene.title,
+                append=append,
+                temperature_unit=units.temperature_label,
+                pressure_unit=units.pressure_label,
+                time_unit="" if units.reduced else "ps",
+            )
+            if append:
+                self._writer.resume(simulation.step, __version__)
+            else:
+                self._writer.text(scene.explain())
+            self._writer.text(f"seed {simulation.seed}, {simulation.threads} threads (results do not depend on these)")
+        if not append:
+            self._sample(simulation)
+            if self._print_every > 0:
+                self._print(simulation)
+
+    def next_step(self, step: int) -> int | None:
+        """Return the next step that is printed or sampled."""
+        due = [n for n in (every(step, self._print_every), every(step, self._sample_every)) if n is not None]
+        return min(due, default=None)
+
+    def report(self, simulation: Simulation) -> None:
+        """Sample and print what is due in this step."""
+        if self._sample_every > 0 and simulation.step % self._sample_every == 0:
+            self._sample(simulation)
+        if self._print_every > 0 and simulation.step % self._print_every == 0:
+            self._print(simulation)
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return the averages for the checkpoint."""
+        parts = {"rolling": self._rolling.state(), "running": self._averages.state()}
+        return {f"{part}.{key}": value for part, state in parts.items() for key, value in state.items()}
+
+    def finish(self, simulation: Simulation, warnings: Sequence[str], timings: Mapping[str, float]) -> RunSummary:
+        """Write the summary and return it."""
+        scene = simulation.scene
+        mean, spread = self._averages.mean(), self._averages.fluctuations()
+        columns = len(STATISTICS_NAMES) + len(scene.species)
+        tensors = mean[columns:].reshape(len(_TENSORS), 3, 3)
+        elapsed = clock.perf_counter() - self._begin
+        summary = RunSummary(
+            steps=simulation.step,
+            time=simulation.time,
+            averaged_steps=self._averages.taken,
+            averaged_time=self._averages.taken * self._sample_every * scene.dynamics.timestep,
+            elapsed=elapsed,
+            loop_seconds=timings.get("steps", elapsed),
+            averages=mean[:columns],
+            fluctuations=spread[:columns],
+            pressure_parts=dict(zip(_TENSORS, tensors, strict=True)),
+            diffusion=_diffusion(simulation),
+            warnings=warnings,
+            timings=timings,
+        )
+        if self._writer is not None:
+            self._writer.summary(summary)
+        return summary
+
+    def close(self) -> None:
+        """Close the file."""
+        if self._writer is not None:
+            self._writer.close()
+
+    def _restore(self, stored: dict[str, NDArray[Any]]) -> None:
+        parts: dict[str, dict[str, NDArray[Any]]] = {"rolling": {}, "running": {}}
+        for name, value in stored.items():
+            part, key = name.split(".", 1)
+            parts[part][key] = value
+        if parts["rolling"]:
+            self._rolling = RollingAverages.from_state(parts["rolling"])
+            self._averages = RunningAverages.from_state(parts["running"])
+
+    def _sample(self, simulation: Simulation) -> None:
+        values = statistics_record(simulation).values()
+        self._rolling.add(values)
+        if simulation.step > self._after:
+            parts = simulation.observe().stress_parts
+            self._averages.add(np.concatenate([values, *(parts[name].reshape(9) for name in _TENSORS)]))
+
+    def _print(self, simulation: Simulation) -> None:
+        if self._writer is not None:
+            values = statistics_record(simulation).values()
+            elapsed = clock.perf_counter() - self._begin
+            self._writer.block(simulation.step, simulation.time, elapsed, values, self._rolling.mean())
+
+
+def _diffusion(simulation: Simulation) -> dict[str, tuple[float, float]]:
+    """Self-diffusion from the mean-square displacement over the whole run, 10⁻⁹ m²/s (Å²/ps is ten of them)."""
+    if simulation.time <= 0.0:
+        return {}
+    factor = 1.0 if simulation.scene.units.reduced else 10.0
+    squares = square_displacements(simulation)
+    return {
+        name: (factor * square / (6.0 * simulation.time), float(np.sqrt(square)))
+        for name, square in zip(simulation.scene.species, squares, strict=True)
+    }
+
+
+class CheckpointReporter:
+    """Writes REVCON and the checkpoint, each replaced as a whole, and has the other files reach the disk first."""
+
+    def __init__(self, simulation: Simulation, folder: Path, others: Sequence[object] = ()) -> None:
+        output = simulation.scene.output
+        self._every = output.checkpoint_every
+        self._configuration = folder / output.configuration_file if output.configuration_file else None
+        self._checkpoint = folder / output.checkpoint_file if output.checkpoint_file else None
+        self._rdf = folder / output.rdf_file if output.rdf_file and output.rdf_every > 0 else None
+        self._others = others
+
+    def next_step(self, step: int) -> int | None:
+        """Return the next multiple of ``data_dump_frequency``."""
+        return every(step, self._every)
+
+    def report(self, simulation: Simulation) -> None:
+        """Write both files."""
+        for other in self._others:
+            sync = getattr(other, "sync", None)
+            if sync is not None:
+                sync()
+        if self._configuration is not None:
+            with atomic_file(self._configuration) as file:
+                write_config_to(file, configuration_of(simulation))
+        if self._checkpoint is not None:
+            simulation.save(self._checkpoint)
+        if self._rdf is not None:
+            write_distances(simulation, self._rdf)
+
+
+def configuration_of(simulation: Simulation) -> Configuration:
+    """Return the present state as the record that REVCON is written from."""
+    scene, state = simulation.scene, simulation.state
+    return Configuration(
+        names=tuple(scene.species[k] for k in scene.beads.species),
+        positions=state.positions,
+        title=scene.title,
+        imcon=scene.imcon,
+        cell=scene.cell,
+        velocities=state.velocities,
+        forces=state.forces,
+        step=state.step,
+        timestep=scene.dynamics.timestep,
+        time=state.time,
+    )
+
+
+def radial_distributions(
+    simulation: Simulation,
+) -> tuple[FloatArray, dict[tuple[str, str], tuple[FloatArray, FloatArray]]]:
+    """Return r (bins,) in Å and, for each collected pair of species, g(r) and the running coordination number.
+
+    A pair with no beads on one side, or a single bead with itself, has no g(r) and is left out, as in DL_POLY.
+    """
+    counts, samples = simulation.distance_counts()
+    scene = simulation.scene
+    beads = np.bincount(scene.beads.species, minlength=len(scene.species)).tolist()
+    width = scene.cutoff / simulation.rdf_bins
+    r = (np.arange(simulation.rdf_bins) + 0.5) * width
+    result = {}
+    for pair in scene.output.rdf_pairs:
+        a, b = sorted(pair)
+        if samples == 0 or min(beads[a], beads[b]) < (2 if a == b else 1):
+            continue
+        _, g, n = normalise_rdf(
+            counts[a, b],
+            like=a == b,
+            volume=simulation.observe().volume,
+            beads=(beads[a], beads[b]),
+            configurations=samples,
+            bin_width=width,
+        )
+        result[scene.species[a], scene.species[b]] = (g, n)
+    return r, result
+
+
+def write_distances(simulation: Simulation, path: Path) -> None:
+    """Write RDFDAT when anything has been sampled."""
+    r, table = radial_distributions(simulation)
+    if table:
+        write_rdf(
+            path, simulation.scene.title, list(table), r, [g for g, _ in table.values()], [n for _, n in table.values()]
+        )

@@ -1,0 +1,407 @@
+"""Simulations: a scene, an engine that steps it, and reporters that are shown its state in the steps they ask for.
+
+The simulation owns no physics. It steps in chunks that end where a reporter is due, which is also what lets Ctrl-C act
+between steps and keeps the cost of observing to the steps that are reported.
+"""
+
+from __future__ import annotations
+
+import secrets
+import time as clock
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pydlpoly.engines.native import NativeEngine, Totals, default_threads
+from pydlpoly.errors import InputError, RunError, SceneError
+from pydlpoly.formats.checkpoint import read_checkpoint, write_checkpoint
+from pydlpoly.formats.records import FloatArray
+from pydlpoly.scene.model import Scene
+from pydlpoly.scene.serialise import scene_from_arrays, scene_to_arrays
+
+_SECONDS_PER_CHUNK = 0.2  # how long Ctrl-C may wait
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A copy of what a simulation's beads do now; changing it changes nothing in the simulation.
+
+    Attributes:
+        positions: (N, 3) wrapped into the cell, Å.
+        velocities: (N, 3), Å/ps.
+        forces: (N, 3) total force including drag and noise, Da Å/ps².
+        images: (N, 3) cells crossed since the start; unwrapped = positions + images @ cell.
+        step: number of steps taken since the scene's start; time: ps.
+    """
+
+    positions: FloatArray
+    velocities: FloatArray
+    forces: FloatArray
+    images: NDArray[np.int32]
+    cell: FloatArray
+    step: int
+    time: float
+
+    @property
+    def unwrapped(self) -> FloatArray:
+        """(N, 3) positions followed across cell boundaries since the start."""
+        return self.positions + self.images @ self.cell
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """What can be said about one step.
+
+    Energies and virials are in internal units (10 J/mol); a virial is −Σ r·F, DL_POLY's sign. Temperature is in K and
+    pressure in katm; in scenes with ``units dpd`` both are reduced (k_B = 1).
+
+    Attributes:
+        energy: by component: "pair", "potential" (all configurational terms), "kinetic" and "total" (their sum).
+        stress: (3, 3) pressure tensor in the pressure unit, all parts.
+        stress_parts: the same by part: "kinetic", "conservative", "drag", "noise".
+        virial: −Σ r·F of all forces; ``pair_virial``: of the conservative pair forces alone.
+        momentum: (3,) total momentum in Da Å/ps.
+    """
+
+    step: int
+    time: float
+    energy: dict[str, float]
+    temperature: float
+    pressure: float
+    stress: FloatArray
+    stress_parts: dict[str, FloatArray]
+    virial: float
+    pair_virial: float
+    volume: float
+    momentum: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class SinglePoint:
+    """Energy, forces and stress of a scene's configuration, conservative forces and external fields only.
+
+    Attributes:
+        energy: by component, internal units: "pair" (with the long-range correction) and "total"; the components a
+            scene does not have ("bond", "angle", "dihedral", "inversion", "tether", "charge") are 0.
+        forces: (N, 3), Da Å/ps²; frozen beads feel none.
+        stress: (3, 3) configurational pressure tensor Σ F_a r_b / V, internal pressure (Da/(Å ps²)); a repulsion is
+            positive.
+        virial: −Σ r·F = −V · trace(stress), DL_POLY's sign.
+    """
+
+    energy: dict[str, float]
+    forces: FloatArray
+    stress: FloatArray
+    virial: float
+
+
+class Reporter(Protocol):
+    """Something that is shown the simulation every now and then; it never changes it."""
+
+    def next_step(self, step: int) -> int | None:
+        """Return the first step after ``step`` at which this reporter is due, or None for never."""
+
+    def report(self, simulation: Simulation) -> None:
+        """Look at the simulation at a due step."""
+
+
+@runtime_checkable
+class StatefulReporter(Reporter, Protocol):
+    """A reporter whose memory goes into the checkpoint."""
+
+    name: str
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return what the reporter remembers, as arrays by name."""
+
+
+class Simulation:
+    """A scene in motion.
+
+    Args:
+        scene: what to model.
+        threads: number of threads (default: the scene's, else all processors). Results do not depend on it.
+        seed: seed of noise and start velocities, 0 … 2^64 − 1 (default: the scene's, else drawn anew; see ``seed``).
+        cell_width: link cells of at least this width (Å) instead of one cutoff. Results do not depend on it.
+
+    Raises:
+        SceneError: the scene cannot be run.
+    """
+
+    def __init__(
+        self, scene: Scene, *, threads: int | None = None, seed: int | None = None, cell_width: float = 0.0
+    ) -> None:
+        chosen = scene.run.seed if seed is None else seed
+        self.scene = scene
+        self.seed: int = secrets.randbits(64) if chosen is None else int(chosen)
+        if not 0 <= self.seed < 2**64:
+            raise SceneError(f"the seed must lie between 0 and 2^64 - 1, not {self.seed}")
+        self.threads: int = threads or scene.run.threads or default_threads()
+        if self.threads < 1:
+            raise SceneError(f"the number of threads must be at least 1, not {threads}")
+        self.reporters: list[Reporter] = []
+        self._engine = NativeEngine(scene, seed=self.seed, threads=self.threads, cell_width=cell_width)
+        self._observation: Observation | None = None
+        self._engine.start(scene)
+        self.start_positions: FloatArray = np.asarray(self._engine.system.positions)
+        self._rate = 0.0
+        self._reporter_state: dict[str, NDArray[Any]] = {}
+        output = scene.output
+        if output.rdf_every > 0:
+            self._engine.system.enable_distances(scene.cutoff, self.rdf_bins, output.rdf_every)
+
+    # Running
+
+    def run(self, steps: int, progress: bool = False) -> None:
+        """Take ``steps`` steps, calling the reporters in the steps they are due.
+
+        Args:
+            steps: number of steps, 0 or more.
+            progress: show a progress bar on the terminal.
+
+        Raises:
+            RunError: a force or position stopped being finite; the state is that of the failing step.
+            KeyboardInterrupt: Ctrl-C; the running chunk (some tenths of a second) is finished first.
+        """
+        if steps < 0:
+            raise RunError(f"the number of steps must not be negative, not {steps}")
+        last = self.step + steps
+        if progress:
+            from pydlpoly.progress import progress_reporter  # only a terminal needs it
+
+            with progress_reporter(self, last) as bar:
+                self._run_to(last, [*self.reporters, bar])
+        else:
+            self._run_to(last, self.reporters)
+
+    def _run_to(self, last: int, reporters: Sequence[Reporter]) -> None:
+        while self.step < last:
+            step = self.step
+            due = [n for n in (r.next_step(step) for r in reporters) if n is not None]
+            stop = min([last, *due])
+            self._advance(min(stop - step, self._chunk()))
+            if self.step in due:
+                for reporter in reporters:
+                    if reporter.next_step(step) == self.step:
+                        reporter.report(self)
+
+    def _chunk(self) -> int:
+        return max(1, int(self._rate * _SECONDS_PER_CHUNK)) if self._rate > 0.0 else 1
+
+    def _advance(self, steps: int) -> None:
+        self._observation = None
+        begin = clock.perf_counter()
+        self._engine.run(steps)
+        self._rate = steps / max(clock.perf_counter() - begin, 1e-9)
+
+    # Looking
+
+    @property
+    def step(self) -> int:
+        """Number of steps taken since the scene's start."""
+        return int(self._engine.system.step)
+
+    @property
+    def steps_per_second(self) -> float:
+        """Rate of the last chunk of steps, 0 before the first."""
+        return self._rate
+
+    @property
+    def time(self) -> float:
+        """Simulated time in ps."""
+        return float(self._engine.system.time)
+
+    @property
+    def state(self) -> State:
+        """A copy of positions, velocities, forces, step and time."""
+        system = self._engine.system
+        return State(
+            positions=np.asarray(system.positions),
+            velocities=np.asarray(system.velocities),
+            forces=np.asarray(system.forces),
+            images=np.asarray(system.images),
+            cell=self.scene.cell,
+            step=self.step,
+            time=self.time,
+        )
+
+    def set_state(self, *, positions: FloatArray | None = None, velocities: FloatArray | None = None) -> None:
+        """Replace positions and/or velocities, (N, 3) each, and recompute the forces. Raises ValueError on bad shapes."""
+        system = self._engine.system
+        if positions is not None:
+            system.positions = positions
+        if velocities is not None:
+            system.velocities = np.where(self.scene.beads.frozen[:, None], 0.0, velocities)
+        self._observation = None
+        self._engine.initialise()
+
+    def observe(self) -> Observation:
+        """Return energies, temperature, pressure and stress of the present step."""
+        if self._observation is None:
+            self._observation = observation_of(self.scene, self._engine.totals(), self.step, self.time)
+        return self._observation
+
+    @property
+    def temperature(self) -> float:
+        """Kinetic temperature, K (reduced with ``units dpd``)."""
+        return self.observe().temperature
+
+    @property
+    def pressure(self) -> float:
+        """Pressure of kinetic, conservative, drag and noise parts together, katm (reduced with ``units dpd``)."""
+        return self.observe().pressure
+
+    @property
+    def energy(self) -> dict[str, float]:
+        """Energy by component in internal units: "pair", "potential", "kinetic", "total"."""
+        return self.observe().energy
+
+    @property
+    def rdf_bins(self) -> int:
+        """Number of bins of the pair distance histogram."""
+        return max(1, round(self.scene.cutoff / self.scene.output.rdf_bin_width))
+
+    def distance_counts(self) -> tuple[NDArray[np.int64], int]:
+        """Return pair distance counts (species, species, bins), each pair once under a ≤ b, and the number of samples."""
+        counts = self._engine.distance_counts(self.rdf_bins, len(self.scene.species))
+        return counts, int(self._engine.system.distance_samples)
+
+    # Checkpoints
+
+    def save(self, path: str | Path) -> None:
+        """Write a checkpoint from which ``resume`` continues with the same bits; the file is replaced as a whole."""
+        arrays, scene = scene_to_arrays(self.scene)
+        system = self._engine.system
+        arrays |= {
+            "positions": np.asarray(system.positions),
+            "velocities": np.asarray(system.velocities),
+            "forces": np.asarray(system.forces),
+            "images": np.asarray(system.images),
+            "start_positions": self.start_positions,
+        }
+        if self.scene.output.rdf_every > 0:
+            arrays["distance_counts"] = np.asarray(system.distance_counts())
+        for reporter in self.reporters:
+            if isinstance(reporter, StatefulReporter):
+                arrays |= {f"reporter.{reporter.name}.{key}": value for key, value in reporter.state().items()}
+        meta: dict[str, Any] = {
+            "scene": scene,
+            "seed": self.seed,
+            "step": self.step,
+            "time": self.time,
+            "distance_samples": int(system.distance_samples),
+        }
+        write_checkpoint(path, arrays, meta)
+
+    @classmethod
+    def resume(cls, path: str | Path, *, scene: Scene | None = None, threads: int | None = None) -> Simulation:
+        """Return the simulation that a checkpoint holds, at the step it was saved.
+
+        Args:
+            path: a file written by ``save``.
+            scene: go on with this scene (its run length, outputs, temperature, …) in place of the stored one; its beads
+                must be the stored ones.
+            threads: number of threads; results do not depend on it.
+
+        Raises:
+            InputError: the file is not a whole checkpoint of this program, or of other beads than the scene's.
+        """
+        arrays, meta = read_checkpoint(path)
+        try:
+            stored = scene_from_arrays(arrays, meta["scene"])
+            chosen = stored if scene is None else scene
+            _check_same_beads(stored, chosen, str(path))
+            simulation = cls(chosen, threads=threads, seed=int(meta["seed"]))
+            simulation._restore(arrays, meta)
+        except KeyError as error:
+            raise InputError(f"the checkpoint lacks {error}", path=str(path)) from error
+        return simulation
+
+    def _restore(self, arrays: dict[str, NDArray[Any]], meta: dict[str, Any]) -> None:
+        system = self._engine.system
+        system.step, system.time = int(meta["step"]), float(meta["time"])
+        system.positions = arrays["positions"]
+        system.velocities = arrays["velocities"]
+        self._engine.initialise()  # observes; the stored forces hold the noise of the velocities they were made from
+        system.forces = arrays["forces"]
+        system.images = arrays["images"]
+        self.start_positions = arrays["start_positions"]
+        prefix = "reporter."
+        self._reporter_state = {k[len(prefix) :]: v for k, v in arrays.items() if k.startswith(prefix)}
+        if self.scene.output.rdf_every > 0 and "distance_counts" in arrays:
+            system.restore_distances(arrays["distance_counts"].tolist(), int(meta["distance_samples"]))
+        self._observation = None
+
+    def restored_state(self, name: str) -> dict[str, NDArray[Any]]:
+        """Return what the reporter of this name had saved in the checkpoint; empty when there is nothing."""
+        prefix = f"{name}."
+        return {k[len(prefix) :]: v for k, v in self._reporter_state.items() if k.startswith(prefix)}
+
+
+def _check_same_beads(stored: Scene, scene: Scene, path: str) -> None:
+    if stored.bead_count != scene.bead_count:
+        raise InputError(
+            f"holds {stored.bead_count} beads, but the scene to go on with has {scene.bead_count}", path=path
+        )
+    if stored.species != scene.species or not np.array_equal(stored.beads.species, scene.beads.species):
+        raise InputError("holds other species than the scene to go on with", path=path)
+
+
+def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Observation:
+    """Turn the core's totals into an observation in the scene's units."""
+    kinetic = 0.5 * float(np.trace(totals.kinetic))
+    parts = {
+        "kinetic": totals.kinetic,
+        "conservative": totals.conservative,
+        "drag": totals.drag,
+        "noise": totals.noise,
+    }
+    factor = scene.units.pressure_factor / totals.volume
+    stress_parts = {name: tensor * factor for name, tensor in parts.items()}
+    stress = np.sum(list(stress_parts.values()), axis=0)
+    freedom = scene.degrees_of_freedom
+    temperature = 2.0 * kinetic / (freedom * scene.units.boltzmann) if freedom > 0 else 0.0
+    return Observation(
+        step=step,
+        time=time,
+        energy={
+            "pair": totals.pair_energy,
+            "potential": totals.pair_energy,
+            "kinetic": kinetic,
+            "total": totals.pair_energy + kinetic,
+        },
+        temperature=temperature,
+        pressure=float(np.trace(stress)) / 3.0,
+        stress=stress,
+        stress_parts=stress_parts,
+        virial=-float(np.trace(totals.conservative + totals.drag + totals.noise)),
+        pair_virial=-float(np.trace(totals.conservative)),
+        volume=totals.volume,
+        momentum=totals.momentum,
+    )
+
+
+def single_point(scene: Scene, *, threads: int | None = None) -> SinglePoint:
+    """Return energy, forces and stress of a scene's configuration without drag and noise.
+
+    Raises:
+        SceneError: the scene cannot be computed.
+        RunError: a pair force is not finite, naming the beads.
+    """
+    engine = NativeEngine(scene, seed=0, threads=threads or scene.run.threads or default_threads())
+    settings = engine.system.settings
+    settings.drag = False
+    settings.force_cap = 0.0
+    engine.initialise()
+    totals = engine.totals()
+    energy = dict.fromkeys(("bond", "angle", "dihedral", "inversion", "tether", "charge"), 0.0)
+    return SinglePoint(
+        energy={"pair": totals.pair_energy, **energy, "total": totals.pair_energy},
+        forces=np.asarray(engine.system.forces),
+        stress=totals.conservative / totals.volume,
+        virial=-float(np.trace(totals.conservative)),
+    )
