@@ -234,7 +234,10 @@ def _factor(control: Control, setting: Setting, dimension: str, timestep: float 
     if timestep is None and (dimension == "steps" or read.steps) and control.get("timestep") is not None:
         timestep = float(value_in(control, "timestep"))  # type: ignore[arg-type]  # a float keyword
     temperature = None
-    if read.system_temperature and setting.keyword != "temperature" and control.get("temperature") is not None:
+    if read.system_temperature and setting.keyword != "temperature":
+        if control.get("temperature") is None:
+            message = f"{setting.keyword} in this unit needs a temperature, which CONTROL does not give"
+            raise InputError(message, path=control.path, line=setting.line or None, word=unit)
         temperature = float(value_in(control, "temperature"))  # type: ignore[arg-type]  # a float keyword
     return convert(
         1.0, unit, dimension, timestep=timestep, temperature=temperature, path=control.path, line=setting.line or None

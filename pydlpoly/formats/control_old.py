@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 from pydlpoly.errors import suggest
-from pydlpoly.formats.control_old_directives import HANDLERS, find_directive
+from pydlpoly.formats.control_old_directives import HANDLERS, NAMES, find_directive
 from pydlpoly.formats.control_old_line import Line
 from pydlpoly.formats.control_old_tables import NOT_MODELLED
 from pydlpoly.formats.control_values import Parsed, Reading
@@ -54,7 +54,7 @@ def _read_directive(line: Line, following: list[str]) -> None:
 def _unknown(word: str) -> str:
     if lookup(word) is not None:
         return "is a new-style keyword in an old-style file; a new-style file begins with the word title"
-    return f"is no directive of an old-style CONTROL{suggest(word, HANDLERS)}"
+    return f"is no directive of an old-style CONTROL{suggest(word, NAMES)}"
 
 
 def _refuse_foreign(line: Line, following: list[str]) -> None:

@@ -246,7 +246,7 @@ def _sequence(name: str) -> Handler:
             elif 0 <= number < len(LEVELS[keyword]):
                 line.put(keyword, LEVELS[keyword][int(number)])
             else:
-                raise line.error(f"is beyond the levels 0 to {len(LEVELS[keyword]) - 1}", f"{number}")
+                raise line.error(f"is beyond the levels 0 to {len(LEVELS[keyword]) - 1}", line.words[line.position - 1])
 
     return read
 
@@ -261,7 +261,7 @@ def _without_effect(name: str) -> Handler:
 
 HANDLERS: dict[str, Handler] = {
     **{letters: _number(name) for name, (letters, _, _) in NUMBERS.items()},
-    **{name if "_" in name else name[:6]: _switch(name) for name in SWITCHES},
+    **{name if "_" in name else name[:5]: _switch(name) for name in SWITCHES},
     **{name if len(name) < 5 else name[:4]: _sequence(name) for name in SEQUENCES},
     **{name: _without_effect(name) for name in WITHOUT_EFFECT},
     **{"pres": _pressure, "variable": _variable, "delr": _old_padding, "rcut": _number("cutoff")},
@@ -287,6 +287,14 @@ def find_directive(word: str) -> str | None:
 
 
 _BY_LENGTH = sorted((letters for letters in HANDLERS if len(letters) > 2 and letters != "all"), key=len, reverse=True)
+
+
+NAMES = (
+    *(*NUMBERS, *SWITCHES, *SEQUENCES, *WITHOUT_EFFECT, "pressure", "variable", "delr", "rcut", "rpad", "no", "vdw"),
+    *("ewald", "spme", "print", "shift", "reaction", "rdf", "analyse", "restart", "seed", "nfold", "minimise"),
+    *("optimise", "impact", "pseudo", "polarisation", "plumed", "metal", "integrator", "io", "ensemble", "finish"),
+)
+"""All directives in full, for suggestions."""
 
 
 def is_directive(word: str) -> bool:

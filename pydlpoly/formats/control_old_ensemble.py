@@ -27,7 +27,7 @@ _WITH_BAROSTAT = ("langevin", "berendsen", "hoover", "mtk")
 
 
 def read_ensemble(line: Line) -> None:
-    """Read ``ensemble nve``, ``ensemble nvt dpds1 [drag]``, ``ensemble nvt mdvv [drag]``, ``ensemble npt hoover f f`` …"""
+    """Read ``ensemble nve``, ``ensemble nvt dpds1 [drag]``, ``ensemble npt hoover f f`` and so on."""
     ensemble = line.choose("ensemble", {name: name for name in ("nve", "nvt", "npt", "nst", "pmf")})
     line.put("ensemble", ensemble)
     if ensemble in ("nve", "pmf"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 from pydlpoly.errors import InputError, suggest
@@ -120,7 +121,8 @@ def _fraction(word: str) -> int | float | None:
     if top is None or not slash:
         return top
     bottom = parse_number(below)
-    return None if not bottom else top / bottom
+    value = top / bottom if bottom else math.inf
+    return value if math.isfinite(value) else None
 
 
 def _try_unit(word: str) -> Unit | None:

@@ -126,34 +126,14 @@ UNIT_NAMES = {
     "step": "steps",
 }
 FILLERS = frozenset(
-    [
-        "every",
-        "step",
-        "steps",
-        "size",
-        "width",
-        "cutoff",
-        "cut",
-        "tolerance",
-        "tol",
-        "force",
-        "forces",
-        "temp",
-        "temperature",
-        "time",
-        "times",
-        "sampling",
-        "threshold",
-        "density",
-        "sum",
-        "bin",
-        "fire",
-        "frequency",
-        "interval",
-        "nbins",
-        "rmax",
-    ]
+    (
+        *("every", "step", "steps", "size", "width", "cutoff", "cut", "tolerance", "tol", "force", "forces", "temp"),
+        *("temperature", "time", "times", "sampling", "threshold", "density", "sum", "bin", "fire", "frequency"),
+        *("interval", "nbins", "rmax"),
+    )
 )
+"""Words that may stand before a number and mean nothing."""
+
 WITHOUT_EFFECT = {
     "slab": "it shapes DL_POLY's domains",
     "mult": "DL_POLY Classic's multiple timestep",

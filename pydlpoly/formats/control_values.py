@@ -68,7 +68,7 @@ class Reading:
 
 
 def parse_number(word: str) -> int | float | None:
-    """Return the value of a Fortran real or integer (``1``, ``.5``, ``1.``, ``1d-6``), or None if it is no finite number.
+    """Return the value of a Fortran real or integer (``1``, ``.5``, ``1d-6``), or None if it is no finite number.
 
     Whole numbers without point or exponent are returned as int, so that 64-bit seeds keep every digit.
     """

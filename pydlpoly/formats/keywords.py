@@ -114,7 +114,7 @@ _OTHER_NVT = "refused: NVT by a thermostat other than dpd"
 _ELECTROSTATICS = "refused: electrostatics"
 
 _RUN = (
-    _option("simulation_method", "md evb ffs", "md", "what kind of simulation",
+    _option("simulation_method", "md evb ffs", "md", "what kind of simulation", "ignored: pydlpoly does md only",
             effects={"evb": "refused: empirical valence bonds", "ffs": "refused: forward flux sampling"}),
     _float("timestep", "time", "", "length of a step", old="timestep f", req=True),
     _bool("timestep_variable", "off", "let the timestep vary", "refused: a variable timestep", "variable timestep f"),
@@ -136,6 +136,7 @@ _RUN = (
             old="seed a b c"),
     _int("threads", "0", "number of threads, 0 = all that are there"),
     _option("precision", "double mixed single", "double", "arithmetic of the pair forces",
+            "ignored: pydlpoly computes in double precision only",
             effects={"mixed": "refused: mixed precision", "single": "refused: single precision"}),
     _vector("nfold", "integers", 3, "[ 1 1 1 ]", "replicate the cell", "refused: replication of the cell",
             "nfold x y z"),
