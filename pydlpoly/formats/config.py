@@ -11,7 +11,14 @@ from typing import NoReturn
 import numpy as np
 from pydlpoly.errors import InputError
 from pydlpoly.formats.config_writer import write_config, write_config_to
-from pydlpoly.formats.lexing import WORD_LIMIT, cannot_read, parse_integer, parse_number, plain_line_ends
+from pydlpoly.formats.lexing import (
+    WORD_LIMIT,
+    cannot_read,
+    looks_like_number,
+    parse_integer,
+    parse_number,
+    plain_line_ends,
+)
 from pydlpoly.formats.records import Configuration, FloatArray, IntArray
 
 __all__ = ["parse_config", "read_config", "write_config", "write_config_to"]
@@ -52,7 +59,10 @@ def _read_encoded(path: str | Path, encoding: str, ignore_indices: bool) -> Conf
 
 def parse_config(text: str, path: str = "CONFIG", ignore_indices: bool = False) -> Configuration:
     """Read the text of a CONFIG file; arguments and errors as in ``read_config``."""
-    return _ConfigReader(plain_line_ends(text).split("\n"), path, ignore_indices).read()
+    lines = plain_line_ends(text).split("\n")
+    if lines[-1] == "":
+        lines.pop()
+    return _ConfigReader(lines, path, ignore_indices).read()
 
 
 class _ConfigReader:
@@ -178,12 +188,16 @@ class _ConfigReader:
         if len(header) < 6:
             return 0, 0.0, 0.0
         step, timestep, time = parse_integer(header[3]), parse_number(header[4]), parse_number(header[5])
-        if step is not None and timestep is not None and time is not None and step >= 0 and timestep >= 0.0:
-            # DL_POLY's minimiser writes cycles and two energies there (CFGMIN), always at level 0.
-            if self.level > 0 or abs(time - step * timestep) <= 1e-3 * abs(time):
-                return step, timestep, time
-        self._warn("the last three numbers of line 2 are not step, timestep and time; they are not used", 2)
-        return 0, 0.0, 0.0
+        if step is None or timestep is None or time is None or not self._is_run(step, timestep, time):
+            self._warn("the last three numbers of line 2 are not step, timestep and time; they are not used", 2)
+            return 0, 0.0, 0.0
+        return step, timestep, time
+
+    def _is_run(self, step: int, timestep: float, time: float) -> bool:
+        """DL_POLY's minimiser writes its cycles and two energies instead (CFGMIN), always at level 0."""
+        if step < 0 or timestep < 0.0:
+            return False
+        return self.level > 0 or abs(time - step * timestep) <= 1e-3 * abs(time)
 
     # --- the beads ----------------------------------------------------------------------------------------------------
 
@@ -217,14 +231,16 @@ class _ConfigReader:
     def _fail_cut_short(self, rows: list[list[str]], last: int) -> NoReturn:
         missing = _KINDS[len(rows) - 1]
         bead = f"bead {len(self.names) + 1} ({rows[0][0]})"
-        told = f"levcfg {self.level} means {2 + self.level} lines a bead"
-        self._fail(f"the file ends inside {bead}; expected its {missing} ({told})", last)
+        self._fail(f"the file ends inside {bead}; expected its {missing} ({self._lines_told()})", last)
+
+    def _lines_told(self) -> str:
+        return f"levcfg {self.level} means {2 + self.level} lines a bead"
 
     def _chunk(self, rows: list[list[str]], start: int, records: int) -> list[FloatArray]:
         """Take the names and indices of whole beads and return their vectors, one array a kind."""
         name_rows = rows[::records]
         vectors: list[FloatArray] = []
-        careful = any(row[0][0] in "+-.0123456789" for row in name_rows)
+        careful = any(row[0][0] in "+-.0123456789" and _is_vector(row) for row in name_rows)
         for kind in range(1, records):
             array = None if careful else _fast_vectors(rows[kind::records])
             if array is None:
@@ -246,8 +262,9 @@ class _ConfigReader:
             name = rows[at][0]
             label = f"bead {len(self.names) + bead + 1}"
             if _is_vector(rows[at]) and not name.isdecimal():
-                told = f"levcfg {self.level} means {records} lines a bead"
-                self._fail(f"expected the name of {label}, found three numbers ({told})", start + at, name)
+                self._fail(
+                    f"expected the name of {label}, found three numbers ({self._lines_told()})", start + at, name
+                )
             for kind in range(1, records):
                 what = f"{_KINDS[kind - 1]} of {label} ({name})"
                 array[bead, kind - 1] = self._vector(rows[at + kind], what, start + at + kind)
@@ -258,7 +275,8 @@ class _ConfigReader:
         for axis, word in zip("xyz", words, strict=False):
             value = parse_number(word)
             if value is None:
-                self._fail(f"expected {axis} of the {what}, a finite number", line, word)
+                told = "" if looks_like_number(word) or "bead" not in what else f" ({self._lines_told()})"
+                self._fail(f"expected {axis} of the {what}, a finite number{told}", line, word)
             values.append(value)
         if len(values) < 3:
             self._fail(f"expected three numbers, the {what}; found {len(values)}", line)
@@ -306,9 +324,7 @@ class _ConfigReader:
             told = f"bead index {ranked[twice[0]]} is also on line {self._name_line(first)}"
             self._fail(f"{told}; {cure}", self._name_line(second))
         outside = order[np.flatnonzero(ranked > beads)[0]]
-        self._fail(
-            f"bead index {indices[outside]} is larger than the number of beads; {cure}", self._name_line(outside)
-        )
+        self._fail(f"this bead index is larger than the number of beads; {cure}", self._name_line(outside))
 
     def _name_line(self, bead: int | np.int64) -> int:
         return self.first_line + int(bead) * (2 + self.level)

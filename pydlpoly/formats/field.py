@@ -64,7 +64,9 @@ def looks_like_dl_meso_field(text: str) -> bool:
 def _dl_meso_line(raw: list[str]) -> Line | None:
     for line in content_lines(raw[1:], first=2):
         word = line.words[0].lower()
-        if word.startswith(("spec", "interact")) and len(line.words) > 1 and parse_integer(line.words[1]) is not None:
+        # Exactly a word and a count: an atom line of a species with such a name has more numbers.
+        counted = len(line.words) == 2 and parse_integer(line.words[1]) is not None
+        if counted and word.startswith(("species", "interact")):
             return line
         if canonical_directive(word, TOP_DIRECTIVES) == "close":
             break
@@ -161,14 +163,14 @@ class _FieldParser:
         lines, word = self.lines, line.words[0]
         following = lines.peek()
         if "vdw" in self.heads and word in lines.species:
-            said = f"vdw on line {self.heads['vdw'].number} says {len(self.pairs)} pairs"
-            lines.fail(f"{said}, but here is one more; correct the number or remove the line", line, word)
+            said = f"vdw on line {self.heads['vdw'].number} says {len(self.pairs)}"
+            lines.fail(f"{said}, but here is one more pair; correct the number or remove the line", line, word)
         if following and canonical_directive(following.words[0], MOLECULE_DIRECTIVES) == "nummols":
             said = "this looks like a molecule, but "
             if "molecules" not in self.heads:
                 lines.fail(f"{said}molecules and their number must come first", line, word)
             said += f"molecules on line {self.heads['molecules'].number} says {len(self.molecules)}"
-            lines.fail(f"{said}, which have been read", line, word)
+            lines.fail(f"{said}, and so many have come before", line, word)
         if canonical_directive(word, MOLECULE_DIRECTIVES):
             lines.fail("this directive belongs inside a molecule, between its name and finish", line, word)
         near = suggest(word, [*TOP_DIRECTIVES.values(), "extern"])
@@ -180,8 +182,8 @@ class _FieldParser:
         word = line.words[1] if len(line.words) > 1 else ""
         unit = canonical_unit(word) if word else "internal"
         if unit is None:
-            known = f"; known are {', '.join(UNIT_WORDS)}, or nothing for internal"
-            self.lines.fail(f"unknown energy unit{suggest(word, UNIT_WORDS)}{known}", line, word)
+            near = suggest(word, UNIT_WORDS) or f"; known are {', '.join(UNIT_WORDS)}, or nothing for internal"
+            self.lines.fail(f"unknown energy unit{near}", line, word)
         self.lines.units = unit
 
     def _read_molecules(self, line: Line) -> None:
@@ -223,7 +225,7 @@ class _FieldParser:
         line = lines.next(f"{what} {done + 1} of {count} ({name} on line {head.number})")
         word = line.words[0]
         if word not in lines.species and canonical_directive(word, TOP_DIRECTIVES):
-            said = f"{name} on line {head.number} says {count} pairs, but only {done} come before this"
+            said = f"{name} on line {head.number} says {count}, but only {done} came before this"
             lines.fail(f"{said}; correct the number or add the missing ones", line, word)
         return line
 

@@ -56,7 +56,7 @@ class FieldLines(LineReader):
     def need_units(self, line: Line) -> None:
         """Refuse energies whose unit has not been said."""
         if self.units is None:
-            self.complain("a units line must come before the first energies; expected units", line, line.words[0])
+            self.complain("expected a units line before the first energies", line, line.words[0])
             self.units = "internal"
 
     def count(self, line: Line, what: str, least: int = 0) -> int:

@@ -91,12 +91,12 @@ def _fail_unknown(lines: FieldLines, parts: _Parts, line: Line) -> NoReturn:
         block = parts.blocks[-1]
         kind = BONDED.get(block.directive)
         if kind and (word[:4].lower() in kind.keys or (not kind.keys and parse_integer(word) is not None)):
-            said = f"{block.directive} on line {block.line} says {len(block.lines)} lines, but here is one more"
+            said = f"{block.directive} on line {block.line} says {len(block.lines)}, but here is one more"
             lines.fail(f"{said}; correct the number or remove the line", line, word)
     if parts.atoms_line and len(line.words) > 1 and parse_number(line.words[1]) is not None and not parts.blocks:
         total = sum(atom.repeat for atom in parts.atoms)
         said = (
-            f"atoms on line {parts.atoms_line} says {total} beads, which the lines before make up, but here is one more"
+            f"atoms on line {parts.atoms_line} says {total}, but here is one more"
         )
         if any(atom.name == word for atom in parts.atoms) or not suggest(word, MOLECULE_DIRECTIVES.values()):
             lines.fail(f"{said}; correct the number or remove the line", line, word)
@@ -202,12 +202,12 @@ def _read_bonded(lines: FieldLines, directive: str, head: Line, done: int, count
         key = word[:4].lower()
         if key not in kind.keys:
             if canonical_directive(word, MOLECULE_DIRECTIVES):
-                said = f"{directive} on line {head.number} says {count} lines, but only {done} come before this"
+                said = f"{directive} on line {head.number} says {count}, but only {done} came before this"
                 lines.fail(f"{said}; correct the number or add the missing ones", line, word)
             near = suggest(word, kind.keys) or f"; known are {' '.join(sorted(kind.keys))}"
             lines.fail(f"unknown key in {directive}{near}", line, word)
     elif canonical_directive(line.words[0], MOLECULE_DIRECTIVES):
-        said = f"{directive} on line {head.number} says {count} lines, but only {done} come before this"
+        said = f"{directive} on line {head.number} says {count}, but only {done} came before this"
         lines.fail(f"{said}; correct the number or add the missing ones", line, line.words[0])
     start = 1 if kind.keys else 0
     beads = tuple(_bead(lines, line, start + i, kind.beads) for i in range(kind.beads))
@@ -234,7 +234,7 @@ def _read_rigid(lines: FieldLines, directive: str, head: Line, done: int, count:
     size = parse_integer(line.words[0])
     if size is None:
         if canonical_directive(line.words[0], MOLECULE_DIRECTIVES):
-            lines.fail(f"rigid on line {head.number} says {count} units, but only {done} come before this", line)
+            lines.fail(f"rigid on line {head.number} says {count}, but only {done} came before this", line)
         lines.fail("expected the number of beads in the rigid unit", line, line.words[0])
     if size < 2:
         lines.fail("a rigid unit has at least two beads", line, line.words[0])
