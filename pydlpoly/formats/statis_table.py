@@ -142,7 +142,8 @@ def _first_bad_record(lines: list[str], count: int, path: str) -> InputError:
     numbered = [(number, line.split()) for number, line in enumerate(lines[2:], 3) if line.strip()]
     seen = 0
     for number, words in numbered:
-        if seen == 0 and (len(words) != 3 or words[2] != str(count)):
+        head_is_wrong = seen == 0 and (len(words) != 3 or words[2] != str(count))
+        if head_is_wrong or seen + len(words) > count + 3:
             message = f"expected a record's head with {count} values here: an earlier record is cut short or longer"
             return InputError(message, path=path, line=number, word=" ".join(words[:3]))
         seen = (seen + len(words)) % (count + 3)
