@@ -61,7 +61,7 @@ def wrap(positions: FloatArray, cell: FloatArray, periodic: tuple[bool, bool, bo
     Beads that lie inside keep their coordinates to the last bit.
     """
     fractional = positions @ np.linalg.inv(cell)
-    cells = np.where(periodic, np.floor(fractional + 0.5), 0.0)
+    cells: FloatArray = np.where(periodic, np.floor(fractional + 0.5), 0.0)
     moved = np.any(cells != 0.0, axis=1)
     wrapped = np.array(positions, dtype=np.float64)
     wrapped[moved] -= cells[moved] @ cell

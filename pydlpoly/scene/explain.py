@@ -203,9 +203,8 @@ def _external(scene: Scene) -> list[str]:
             lines.append(f"grav: F = m G with G = ({numbers}) in internal units, from {term.explanation}")
         else:
             amplitude, waves = term.parameters
-            lines.append(
-                f"oshr: Fx = A cos(2 pi n z/Lz) with A = {amplitude:g}{word.force}, n = {waves:g}, from {term.explanation}"
-            )
+            text = f"oshr: Fx = A cos(2 pi n z/Lz) with A = {amplitude:g}{word.force}, n = {waves:g}"
+            lines.append(f"{text}, from {term.explanation}")
     return lines or ["none"]
 
 
@@ -240,11 +239,7 @@ def _output(scene: Scene) -> list[str]:
     files = [
         (plan.output_file, plan.print_every, f"report, rolling averages over {plan.stack_size} steps"),
         (plan.statistics_file, plan.statistics_every, f"statistics{yaml}"),
-        (
-            plan.trajectory_file,
-            plan.trajectory_every,
-            f"{level[plan.trajectory_level]} from step {plan.trajectory_start}",
-        ),
+        (plan.trajectory_file, plan.trajectory_every, trajectory),
         (
             plan.rdf_file,
             plan.rdf_every,

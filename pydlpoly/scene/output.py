@@ -41,7 +41,7 @@ def resolve_output(
         trajectory_every=trajectory_every if trajectory_file else 0,
         trajectory_level=_TRAJECTORY_LEVELS[settings.word("traj_key")],
         rdf_every=rdf_every,
-        rdf_bin_width=_bin_width(settings, cutoff, notes),
+        rdf_bin_width=_bin_width(settings, cutoff, notes) if rdf_every else settings.number("rdf_binsize"),
         rdf_pairs=_rdf_pairs(field, species, pairs) if rdf_every else (),
         checkpoint_every=_interval(settings, "data_dump_frequency"),
         output_file=settings.file_name("io_file_output"),

@@ -137,7 +137,7 @@ class PairTableBuilder:
         first, second = like
         if first.law.key != second.law.key or not first.law.mixable:
             return _Law()
-        parameters, _ = self._mix(pair, first, second, 0.0, 0.0)
+        parameters, _ = self._mix(f"the pair law of {self._name(pair)}", first, second, 0.0, 0.0)
         text = self._mixed_text(pair)
         mixed = replace(first, parameters=parameters, drag=None, drag_cutoff=None, where=text)
         return _Law(replace(mixed, range=float(_core.pair_range(first.law.key, list(parameters)))), "mixed", text)
@@ -147,7 +147,7 @@ class PairTableBuilder:
         return (first, second) if first is not None and second is not None else None
 
     def _mix(
-        self, pair: Pair, first: PairEntry, second: PairEntry, drag: float, other_drag: float
+        self, what: str, first: PairEntry, second: PairEntry, drag: float, other_drag: float
     ) -> tuple[tuple[float, ...], float]:
         """Mix parameters and drags of two entries of the same mixable law."""
         rule = self._rules.mixing
@@ -157,8 +157,7 @@ class PairTableBuilder:
                 rule, first.law.key, list(first.parameters), list(second.parameters), drag, other_drag
             )
         except ValueError as error:
-            message = f"{self._name(pair)} cannot be mixed by {rule}: {error}; give the pair on a vdw line of its own"
-            raise SceneError(message, path=self._field.path) from None
+            raise SceneError(f"{what} cannot be mixed: {error}", path=self._field.path) from None
         return tuple(float(x) for x in parameters), float(mixed)
 
     def _say_what_does_not_interact(self, laws: Mapping[Pair, _Law]) -> None:
@@ -220,7 +219,8 @@ class PairTableBuilder:
             # Without a common ε and σ a rule's drag part is taken for equal ones; any mixable law shows it.
             unit = replace(first, law=replace(first.law, key="lj"), parameters=(1.0, 1.0))
             first, second, text = replace(unit, drag=first.drag), replace(unit, drag=second.drag), f"{text} (drag only)"
-        _, drag = self._mix(pair, first, second, first.drag or 0.0, second.drag or 0.0)
+        what = f"the drag of {self._name(pair)}"
+        _, drag = self._mix(what, first, second, first.drag or 0.0, second.drag or 0.0)
         return _Drag(drag, "mixed", text)
 
     def _undefined(self, pairs: list[Pair]) -> SceneError:

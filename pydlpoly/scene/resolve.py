@@ -6,9 +6,11 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 
+import numpy as np
+
 from pydlpoly import _core
 from pydlpoly.errors import SceneError
-from pydlpoly.formats.records import Configuration, Control, ExternalLine, Field, PairTable
+from pydlpoly.formats.records import Configuration, Control, ExternalLine, Field, FloatArray, PairTable
 from pydlpoly.scene.beads import check_charges, check_configuration, lay_out
 from pydlpoly.scene.cell import resolve_cell, widths, wrap
 from pydlpoly.scene.dynamics import resolve_dynamics, resolve_run, settle_momentum, start_velocities
@@ -21,6 +23,8 @@ from pydlpoly.units import ENERGY_UNITS, EnergyUnit, energy_unit
 
 # These say which files to read and how: whoever made the records has followed them.
 _FOLLOWED_BY_READERS = ("io_file_config", "io_file_field", "io_file_tabvdw", "ignore_config_indices")
+# Beyond this many cells from the origin a coordinate in double precision says nothing about the place in the cell.
+_FARTHEST = 1e9
 # DL_POLY takes no cutoff below this (Å).
 _LEAST_CUTOFF = 1.0
 
@@ -82,7 +86,7 @@ def resolve(
         charge=layout.charge,
         frozen=layout.frozen,
         molecule=layout.molecule,
-        positions=wrap(config.positions, cell, periodic),
+        positions=_wrapped(config, cell, periodic),
         velocities=start_velocities(config, layout, run, fixed, notes),
     )
     output = resolve_output(settings, field, layout.species_names, pairs, cutoff, notes)
@@ -111,6 +115,15 @@ def resolve(
         notes=notes.all(),
         sources=tuple(sources) or (control.path, field.path, config.path),
     )
+
+
+def _wrapped(config: Configuration, cell: FloatArray, periodic: tuple[bool, bool, bool]) -> FloatArray:
+    shifts = np.abs(config.positions @ np.linalg.inv(cell))[:, list(periodic)]
+    if (shifts > _FARTHEST).any():
+        bead = int(np.nonzero((shifts > _FARTHEST).any(axis=1))[0][0])
+        message = f"bead {bead + 1} ({config.names[bead]}) lies more than a thousand million cells away from the origin"
+        raise SceneError(message, path=config.path)
+    return wrap(config.positions, cell, periodic)
 
 
 def _refuse_unmodelled_blocks(field: Field) -> None:
