@@ -86,6 +86,8 @@ class FrameFile:
         whole_length: Callable[[IO[bytes]], int] | None = None,
     ) -> None:
         """Open the file; see the class."""
+        if append and whole_length is None:
+            raise ValueError("appending needs to know which bytes of the existing file are whole frames")
         self.path = os.fspath(path)
         target = Path(path)
         try:
@@ -114,19 +116,23 @@ class FrameFile:
         """Append one whole frame."""
         try:
             _write_all(self._handle, frame)
-        except OSError as error:
+            self._length += len(frame)
+        except BaseException as error:  # an interrupt from the keyboard can cut a long frame, too
             with suppress(OSError):
                 self._handle.truncate(self._length)
                 self._handle.seek(self._length)
-            raise RunError(f"{self.path}: cannot be written: {error.strerror or error}") from error
-        self._length += len(frame)
+            if isinstance(error, OSError):
+                raise RunError(f"{self.path}: cannot be written: {error.strerror or error}") from error
+            raise
 
     def patch(self, offset: int, content: bytes) -> None:
         """Overwrite bytes in the middle of the file, for counters in a header."""
         try:
-            self._handle.seek(offset)
-            _write_all(self._handle, content)
-            self._handle.seek(self._length)
+            try:
+                self._handle.seek(offset)
+                _write_all(self._handle, content)
+            finally:
+                self._handle.seek(self._length)
         except OSError as error:
             raise RunError(f"{self.path}: cannot be written: {error.strerror or error}") from error
 

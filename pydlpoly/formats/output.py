@@ -130,6 +130,10 @@ class OutputWriter:
         pieces.append(_timings(summary))
         self._write("".join(pieces) + RULE)
 
+    def sync(self) -> None:
+        """Wait until everything written is on the disk."""
+        self._file.sync()
+
     def close(self) -> None:
         """Close the file."""
         self._file.close()

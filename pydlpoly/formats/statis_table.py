@@ -60,17 +60,19 @@ class StatisticsTable:
         return self.values[:, first : first + 9].reshape(-1, 3, 3)
 
 
-def read_statistics(path: PathLike, *, species: Sequence[str] | None = None) -> StatisticsTable:
+def read_statistics(path: PathLike, *, species: Sequence[str] | None = None, classic: bool = False) -> StatisticsTable:
     """Read a STATIS file in the classic or the YAML form.
 
-    Any two header lines are accepted in the classic form. The first 28 columns and the stress are named as DL_POLY 5
-    orders them; columns beyond are named only where that is no guess: from the labels of the YAML form, or from
-    ``species``, whose number must then leave 0, 10, 12 or 14 columns of a variable cell. A last record that a kill cut
-    short is left out, with a warning in the table.
+    Any two header lines are accepted in plain files. Their columns are named as DL_POLY 4 and 5 order them; those after
+    the stress only where that is no guess: from the labels of the YAML form, or from ``species``, whose number must
+    then leave 0, 10, 12 or 14 columns of a variable cell. A last record that a kill cut short is left out, with a
+    warning in the table.
 
     Args:
         path: the file.
         species: species names in FIELD's order.
+        classic: the file is from DL_POLY Classic or 2, which have no conserved term and put the displacements before
+            the stress; such files do not say so themselves. Without ``species`` only 27 columns are then named.
 
     Raises:
         InputError: the file is missing, not a STATIS file, or damaged in the middle.
@@ -79,10 +81,10 @@ def read_statistics(path: PathLike, *, species: Sequence[str] | None = None) -> 
     text = read_text(path)
     if text.lstrip().startswith("%YAML"):
         return _read_yaml(text, name)
-    return _read_classic(text, name, species)
+    return _read_plain(text, name, species, classic=classic)
 
 
-def _read_classic(text: str, path: str, species: Sequence[str] | None) -> StatisticsTable:
+def _read_plain(text: str, path: str, species: Sequence[str] | None, *, classic: bool) -> StatisticsTable:
     lines = text.split("\n")
     if len(lines) < 2:
         raise InputError("is not a STATIS file: expected two header lines", path=path)
@@ -95,7 +97,7 @@ def _read_classic(text: str, path: str, species: Sequence[str] | None) -> Statis
     filled = [line.split() for line in body if line.strip()]
     words = [word for line in filled for word in line]
     if not filled or not words:
-        columns = _column_names(len(STATISTICS_NAMES), None, path)
+        columns = tuple(q.name for q in STATISTICS_NAMES)
         empty = np.zeros((0, len(columns)))
         return StatisticsTable(title, label, np.zeros(0, int), np.zeros(0), columns, empty, path, tuple(warnings))
     count = _values_in_record(filled[0], path)
@@ -108,7 +110,7 @@ def _read_classic(text: str, path: str, species: Sequence[str] | None) -> Statis
         raise _first_bad_word(lines, path) from None
     if np.any(numbers[:, 2] != count):
         raise _first_bad_record(lines, count, path)
-    columns = _column_names(count, species, path)
+    columns = (_classic_names if classic else _column_names)(count, species, path)
     step = numbers[:, 0].astype(np.int64)
     return StatisticsTable(title, label, step, numbers[:, 1], columns, numbers[:, 3:], path, tuple(warnings))
 
@@ -159,6 +161,16 @@ def _column_names(count: int, species: Sequence[str] | None, path: str) -> tuple
         message = f"its records hold {count} values; with {len(species)} species DL_POLY 5 writes "
         raise InputError(message + f"{len(STATISTICS_NAMES) + len(species)}, or 10, 12 or 14 more", path=path)
     return (*known, *(f"msd_{s}" for s in species), *VARIABLE_CELL_NAMES[rest])
+
+
+def _classic_names(count: int, species: Sequence[str] | None, path: str) -> tuple[str, ...]:
+    known = [q.name for q in STATISTICS_NAMES[:27]]
+    if species is not None:
+        known += [*(f"msd_{s}" for s in species), *(q.name for q in STATISTICS_NAMES[28:])]
+    if count < len(known):
+        message = f"its records hold {count} values; DL_POLY Classic writes at least {len(known)} here"
+        raise InputError(message, path=path)
+    return (*known, *(f"column_{index}" for index in range(len(known) + 1, count + 1)))
 
 
 def _read_yaml(text: str, path: str) -> StatisticsTable:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import subprocess
@@ -124,6 +125,42 @@ def test_a_frame_that_fails_half_way_is_taken_back(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-c", program, target], capture_output=True, text=True, check=True)
     assert done.stdout.strip().endswith("cannot be written: File too large")
     assert target.read_bytes() == b"HEAD\n" + b"x" * 1000 + b"z" * 10
+
+
+class Interrupted(io.RawIOBase):
+    """Stands for a file in whose write the keyboard's interrupt arrives after half of the bytes."""
+
+    def __init__(self, real: IO[bytes]) -> None:
+        self.real, self.armed = real, True
+
+    def write(self, content: bytes) -> int:  # type: ignore[override]
+        if self.armed:
+            self.armed = False
+            self.real.write(content[: len(content) // 2])
+            raise KeyboardInterrupt
+        return self.real.write(content)
+
+    def truncate(self, size: int | None = None) -> int:
+        return self.real.truncate(size)
+
+    def seek(self, offset: int, whence: int = 0) -> int:
+        return self.real.seek(offset, whence)
+
+
+def test_an_interrupt_in_the_middle_of_a_frame_takes_the_frame_back(tmp_path: Path) -> None:
+    file = FrameFile(tmp_path / "frames", b"HEAD\n")
+    real = file._handle
+    file._handle = Interrupted(real)  # type: ignore[assignment]
+    with pytest.raises(KeyboardInterrupt):
+        file.write(FRAME)
+    file.write(FRAME)
+    real.close()
+    assert (tmp_path / "frames").read_bytes() == b"HEAD\n" + FRAME
+
+
+def test_appending_needs_a_way_to_find_whole_frames(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="which bytes of the existing file are whole frames"):
+        FrameFile(tmp_path / "frames", b"", append=True)
 
 
 def test_a_killed_program_leaves_whole_frames(tmp_path: Path) -> None:

@@ -186,6 +186,17 @@ def test_columns_that_only_the_caller_can_name(tmp_path: Path) -> None:
         read_statistics(tmp_path / "STATIS", species=("A", "B"))
 
 
+def test_the_order_of_dl_poly_classic(tmp_path: Path) -> None:
+    numbers = "\n".join(f" {index}.0" for index in range(1, 40))
+    (tmp_path / "STATIS").write_text(older_file(f" 1 0.1 39\n{numbers}\n"))
+    table = read_statistics(tmp_path / "STATIS", species=("A", "B"), classic=True)
+    assert (table["pressure"][0], table["msd_A"][0], table["msd_B"][0], table["column_39"][0]) == (27, 28, 29, 39)
+    np.testing.assert_array_equal(table.stress[0], np.arange(30.0, 39.0).reshape(3, 3))
+    assert read_statistics(tmp_path / "STATIS", classic=True).columns[26:28] == ("pressure", "column_28")
+    with pytest.raises(InputError, match="Classic writes at least 40"):
+        read_statistics(tmp_path / "STATIS", species=("A", "B", "C", "D"), classic=True)
+
+
 def test_dl_poly_s_own_yaml_quirks_are_understood(tmp_path: Path) -> None:
     labels = ", ".join(["step", "time", *(q.label for q in STATISTICS_NAMES), "amsd Na"])
     cell = "cell A1, cell A2, cell A3, cell B1, cell B2, cell B3, cell C1, cell C2, cell C3pV"
