@@ -124,8 +124,8 @@ def assert_follows(scene: Scene, expected: dict[str, Any]) -> None:
     difference = np.linalg.solve(scene.cell.T, (state.positions - np.array(expected["positions"])).T).T
     difference -= np.round(difference)
     assert np.abs(difference @ scene.cell).max() <= 1e-7
-    for found, name in ((state.velocities, "velocities"), (state.forces, "forces")):
-        assert largest_error(found, np.array(expected[name])) <= 1e-7, name
+    for array, name in ((state.velocities, "velocities"), (state.forces, "forces")):
+        assert largest_error(array, np.array(expected[name])) <= 1e-7, name
 
 
 def largest_error(found: FloatArray, expected: FloatArray) -> float:
