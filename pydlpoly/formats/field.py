@@ -224,7 +224,7 @@ class _FieldParser:
         name = head.words[0].lower()
         line = lines.next(f"{what} {done + 1} of {count} ({name} on line {head.number})")
         word = line.words[0]
-        if word not in lines.species and canonical_directive(word, TOP_DIRECTIVES):
+        if canonical_directive(word, TOP_DIRECTIVES) and not self._is_entry(line):
             said = f"{name} on line {head.number} says {count}, but only {done} came before this"
             lines.fail(f"{said}; correct the number or add the missing ones", line, word)
         return line
@@ -262,13 +262,16 @@ class _FieldParser:
             lines.fail(f"unknown external field{near}", line, line.words[0])
         self.externals.append(ExternalLine(key, lines.trailing_numbers(line, 1), line.number))
 
+    def _is_entry(self, line: Line) -> bool:
+        """Tell an entry of a species that is called like a directive from the directive with its number."""
+        return line.words[0] in self.lines.species and len(line.words) > 1 and parse_integer(line.words[1]) is None
+
     def _read_other(self, directive: str, head: Line) -> OtherBlock:
         """Keep a block as it stands, its head included, up to the next directive."""
         lines = self.lines
         kept = [head.text.strip()]
         while (line := lines.peek()) is not None:
-            word = line.words[0]
-            if word not in lines.species and canonical_directive(word, TOP_DIRECTIVES) not in (None, directive):
+            if canonical_directive(line.words[0], TOP_DIRECTIVES) not in (None, directive) and not self._is_entry(line):
                 break
             kept.append(lines.next("").text.strip())
         return OtherBlock(directive, tuple(kept), head.number)

@@ -98,16 +98,17 @@ class FieldLines(LineReader):
         """Note that words from this position on are not used."""
         self._remarks.append((line.number, line.words[position]))
 
-    def species_name(self, word: str, line: Line) -> str:
-        """Return the part of a species name that counts; refuse two long names that this makes the same."""
-        if len(word) < WORD_LIMIT:
-            return word
+    def species_name(self, word: str, line: Line, *, defines: bool = False) -> str:
+        """Return the part of a species name that counts; refuse two long names that this makes the same.
+
+        Where species are defined (atom lines) the whole name is kept; elsewhere it may also be given cut.
+        """
         short = word[:WORD_LIMIT]
-        full = self._long_names.setdefault(short, word)
-        if full != word:
-            self.fail(
-                f"only {WORD_LIMIT} characters of a species name count, and {full!r} has the same ones", line, word
-            )
+        if len(word) >= WORD_LIMIT:
+            full = self._long_names.setdefault(short, word) if defines else self._long_names.get(short, word)
+            if full != word and (defines or word != short):
+                told = f"only {WORD_LIMIT} characters of a species name count, and {full!r} has the same ones"
+                self.fail(told, line, word)
         if word != short:
             self.warn_once(f"species name {word!r} is cut to {short!r}", line)
         return short

@@ -95,9 +95,7 @@ def _fail_unknown(lines: FieldLines, parts: _Parts, line: Line) -> NoReturn:
             lines.fail(f"{said}; correct the number or remove the line", line, word)
     if parts.atoms_line and len(line.words) > 1 and parse_number(line.words[1]) is not None and not parts.blocks:
         total = sum(atom.repeat for atom in parts.atoms)
-        said = (
-            f"atoms on line {parts.atoms_line} says {total}, but here is one more"
-        )
+        said = f"atoms on line {parts.atoms_line} says {total}, but here is one more"
         if any(atom.name == word for atom in parts.atoms) or not suggest(word, MOLECULE_DIRECTIVES.values()):
             lines.fail(f"{said}; correct the number or remove the line", line, word)
     near = suggest(word, MOLECULE_DIRECTIVES.values())
@@ -138,7 +136,7 @@ def _is_atom_line(line: Line) -> bool:
 
 def _atom_line(lines: FieldLines, line: Line) -> AtomLine:
     words = line.words
-    name = lines.species_name(words[0], line)
+    name = lines.species_name(words[0], line, defines=True)
     lines.species.setdefault(name, line.number)
     mass = lines.number(line, 1, "the mass")
     if mass < 0.0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from math import isfinite
 
 from pydlpoly.errors import InputError
 from pydlpoly.formats.field_keys import MOLECULE_DIRECTIVES, TOP_DIRECTIVES, WRITTEN, canonical_directive
@@ -57,7 +58,7 @@ def _molecule(molecule: Molecule) -> Iterator[str]:
 
 
 def _atom(atom: AtomLine) -> str:
-    return f"{_species(atom.name):8s} {atom.mass!r} {atom.charge!r} {atom.repeat} {atom.frozen}"
+    return f"{_joined(f'{_species(atom.name):8s}', (atom.mass, atom.charge))} {atom.repeat} {atom.frozen}"
 
 
 def _block(block: MoleculeBlock) -> Iterator[str]:
@@ -81,10 +82,13 @@ def _pmf(block: MoleculeBlock) -> Iterator[str]:
     yield _joined("pmf", length.parameters)
     for unit in units:
         yield f"pmf unit {len(unit.beads)}"
-        yield from (f"{bead:5d} {weight!r}" for bead, weight in zip(unit.beads, unit.parameters, strict=True))
+        yield from (_joined(f"{bead:5d}", (weight,)) for bead, weight in zip(unit.beads, unit.parameters, strict=True))
 
 
 def _joined(start: str, numbers: Sequence[float]) -> str:
+    broken = next((number for number in numbers if not isfinite(number)), None)
+    if broken is not None:
+        raise InputError("a number that is not finite cannot be written", word=f"{start.strip()} … {broken}")
     return " ".join((start, *(repr(float(number)) for number in numbers))).rstrip()
 
 
