@@ -82,6 +82,11 @@ def test_appending_cuts_a_torn_last_frame(tmp_path: Path) -> None:
     with FrameFile(target, b"HEAD\n") as file:
         file.write(FRAME)
         file.write(FRAME)
+    for _ in range(2):  # cut on opening, whether or not a frame follows
+        with target.open("ab") as handle:
+            handle.write(FRAME[:7])
+        FrameFile(target, b"HEAD\n", append=True, whole_length=whole_frames).close()
+        assert target.read_bytes() == b"HEAD\n" + 2 * FRAME
     with target.open("ab") as handle:
         handle.write(FRAME[:7])
     with FrameFile(target, b"HEAD\n", append=True, whole_length=whole_frames) as file:

@@ -92,6 +92,20 @@ def test_a_large_random_sample_in_columns_equals_python_s_exact_conversion() -> 
     assert [text(row) for row in columns] == [fortran_g(v) for v in values.tolist()]
 
 
+def test_numbers_next_to_a_decimal_tie_or_a_power_of_ten_in_columns() -> None:
+    """Where one rounding of the fast path could tip the last digit, or log10 the number of digits."""
+    generator = np.random.default_rng(9)
+    ties = [
+        float(f"{n}5e{k}") for n, k in zip(generator.integers(10**9, 10**10, 4000), [*range(-20, 5)] * 160, strict=True)
+    ]
+    powers = 10.0 ** np.arange(-12, 13)
+    near = [*powers, *np.nextafter(powers, 0.0), *np.nextafter(powers, np.inf), *(powers * (1.0 - 4e-11))]
+    values = np.array([*ties, *near])
+    assert [text(row) for row in fortran_g20_10(values)] == [fortran_g(v) for v in values.tolist()]
+    halves = np.array([float(f"{n}5e-7") for n in generator.integers(0, 10**7, 4000)])
+    assert [text(row) for row in fortran_f_columns(halves, 12, 6)] == [fortran_f(v, 12, 6) for v in halves.tolist()]
+
+
 def test_ties_in_decimal_round_to_even_as_fortran_does() -> None:
     # Halves are exact doubles, so these are true ties.
     assert [text(fortran_f_columns(v, 12, 6)) for v in (0.0000005, 0.5 / 2**7, 1.5)] == [
