@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
 from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import PathLike, atomic_file
 

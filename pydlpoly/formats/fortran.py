@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
 from pydlpoly.errors import InputError
 
 ByteColumns = NDArray[np.uint8]

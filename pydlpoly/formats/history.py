@@ -17,6 +17,7 @@ from typing import IO
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
 from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import FrameFile, PathLike
 from pydlpoly.formats.fortran import (

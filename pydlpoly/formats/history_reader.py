@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import IO, NamedTuple
 
 import numpy as np
+
 from pydlpoly.errors import InputError, InputWarning
 from pydlpoly.formats.atomic import PathLike
 from pydlpoly.formats.fortran import parse_real, parse_reals

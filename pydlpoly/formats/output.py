@@ -15,6 +15,7 @@ from typing import IO
 
 import numpy as np
 from numpy.typing import ArrayLike
+
 from pydlpoly.formats.atomic import FrameFile, PathLike
 from pydlpoly.formats.averages import RollingAverages, RunningAverages
 from pydlpoly.formats.fortran import fortran_e, fortran_f, fortran_i

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+
 from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import PathLike, read_text, replace_file
 from pydlpoly.formats.fortran import fortran_e, fortran_i, parse_reals

@@ -15,6 +15,7 @@ from types import TracebackType
 from typing import IO
 
 import numpy as np
+
 from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import FrameFile, PathLike
 from pydlpoly.formats.fortran import fortran_e, fortran_i

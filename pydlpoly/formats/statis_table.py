@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
 from pydlpoly.errors import InputError, suggest
 from pydlpoly.formats.atomic import PathLike, read_text
 from pydlpoly.formats.fortran import parse_real, parse_reals

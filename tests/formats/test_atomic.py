@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import IO
 
 import pytest
+
 from pydlpoly.errors import InputError, RunError
 from pydlpoly.formats.atomic import FrameFile, atomic_file, read_text, replace_file
 

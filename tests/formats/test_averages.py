@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from pydlpoly.formats.averages import RollingAverages, RunningAverages
 
 RECORDS = np.random.default_rng(5).normal(size=(25, 4)) + 1e6

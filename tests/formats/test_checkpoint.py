@@ -13,6 +13,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays, scalar_dtypes
+
 from pydlpoly.errors import InputError, RunError
 from pydlpoly.formats.checkpoint import FORMAT_VERSION, read_checkpoint, write_checkpoint
 

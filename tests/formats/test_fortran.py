@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from pydlpoly.errors import InputError
 from pydlpoly.formats.fortran import (
     fortran_e,

@@ -8,6 +8,7 @@ import MDAnalysis
 import numpy as np
 import pytest
 from MDAnalysis.coordinates.DLPoly import HistoryReader
+
 from pydlpoly.errors import InputError, InputWarning
 from pydlpoly.formats.history import Frame, HistoryWriter, frame_records, read_history, read_history_header
 

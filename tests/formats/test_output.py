@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from pydlpoly.formats.output import OutputWriter, RunSummary
 
 with warnings.catch_warnings():  # dlpoly-py asks for NumPy's version in a way that is deprecated

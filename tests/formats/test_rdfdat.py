@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from pydlpoly.errors import InputError
 from pydlpoly.formats.rdfdat import normalise_rdf, read_rdf, write_rdf
 

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from ruamel.yaml import YAML
+
 from pydlpoly.errors import InputError
 from pydlpoly.formats.statis import (
     STATISTICS_NAMES,
@@ -14,7 +16,6 @@ from pydlpoly.formats.statis import (
     StatisticsWriter,
     read_statistics,
 )
-from ruamel.yaml import YAML
 
 with warnings.catch_warnings():  # dlpoly-py asks for NumPy's version in a way that is deprecated
     warnings.simplefilter("ignore", DeprecationWarning)
