@@ -62,15 +62,19 @@ def _is_dpd(settings: Settings) -> bool:
     if ensemble == "nve":
         return False
     method = settings.word("ensemble_method")
-    if ensemble != "nvt" or method != "dpd":
-        name = f"ensemble {ensemble}" + (f" {method}" if method else "")
-        raise settings.refusal("ensemble_method" if method else "ensemble", f"{name} is not modelled; {_AVAILABLE}")
+    if ensemble != "nvt" or method not in ("", "dpd"):
+        keyword = "ensemble" if ensemble != "nvt" else "ensemble_method"
+        name = f"ensemble {ensemble} {method}".strip()
+        raise settings.refusal(keyword, f"{name} is not modelled; {_AVAILABLE}")
+    if method == "":
+        raise settings.refusal("ensemble", f"ensemble nvt needs a thermostat; {_AVAILABLE}")
     order = settings.word("ensemble_dpd_order")
+    if order == "off":
+        keyword = "ensemble_dpd_order" if settings.given("ensemble_dpd_order") else "ensemble_method"
+        raise settings.refusal(keyword, f"the DPD thermostat needs ensemble_dpd_order; {_AVAILABLE}")
     if order != "mdvv":
-        keyword = "ensemble_dpd_order" if settings.setting("ensemble_dpd_order") else "ensemble_method"
-        raise settings.refusal(
-            keyword, f"the DPD thermostat with ensemble_dpd_order {order} is not modelled; {_AVAILABLE}"
-        )
+        message = f"the DPD thermostat with ensemble_dpd_order {order} is not modelled; {_AVAILABLE}"
+        raise settings.refusal("ensemble_dpd_order", message)
     return True
 
 

@@ -197,6 +197,8 @@ class Scene:
         field_units: the energy unit of FIELD's numbers; not ``units`` when CONTROL alone asks for reduced reports.
         notes: everything that was chosen, ignored or is worth a warning, in the order it was met.
         sources: the files the scene was read from.
+        source_order: (N,) for scenes made from a structure whose beads had to be sorted: where each bead stood there.
+        source_cell: (3, 3) the cell of that structure, when ``cell`` differs from it along axes that are not periodic.
     """
 
     title: str
@@ -220,6 +222,8 @@ class Scene:
     field_units: EnergyUnit | None = None
     notes: tuple[Note, ...] = ()
     sources: tuple[str, ...] = field(default=())
+    source_order: NDArray[np.int64] | None = None
+    source_cell: FloatArray | None = None
 
     @property
     def bead_count(self) -> int:

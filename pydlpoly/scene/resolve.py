@@ -130,10 +130,10 @@ def _refuse_unmodelled_blocks(field: Field) -> None:
     for molecule in field.molecules:
         for block in molecule.blocks:
             if block.lines and molecule.count:
-                message = f"{block.directive} (molecule {molecule.name}) are not modelled yet"
+                message = f"the block {block.directive} of molecule {molecule.name} is not modelled yet"
                 raise SceneError(message, path=field.path, line=block.line or None, word=block.directive)
     for other in field.others:
-        message = f"the interactions of the {other.directive} block are not modelled yet"
+        message = f"the block {other.directive} is not modelled yet"
         raise SceneError(message, path=field.path, line=other.line or None, word=other.directive)
 
 

@@ -11,6 +11,7 @@ from typing import Literal
 
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.control import effect_of, value_in
+from pydlpoly.formats.keywords import KEYWORDS
 from pydlpoly.formats.records import Control, Setting, SettingValue
 from pydlpoly.scene.model import Note
 
@@ -84,7 +85,11 @@ class Settings:
         return bool(self._value(keyword))
 
     def word(self, keyword: str) -> str:
-        """Return an option's word in lower case, empty when there is none."""
+        """Return an option's word in lower case, empty when the file gives none and there is no default."""
+        row = KEYWORDS[keyword]
+        if not (self.given(keyword) or row.default or row.required):
+            self.consumed.add(keyword)
+            return ""
         return str(self._value(keyword)).lower()
 
     def text(self, keyword: str) -> str:

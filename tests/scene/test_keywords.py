@@ -1,0 +1,104 @@
+"""No keyword of CONTROL can be read and forgotten: each one is used, noted or refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from pydlpoly.errors import SceneError
+from pydlpoly.formats.config import parse_config
+from pydlpoly.formats.control import parse_control
+from pydlpoly.formats.control_values import parse_setting
+from pydlpoly.formats.field import parse_field
+from pydlpoly.formats.keywords import KEYWORDS
+from pydlpoly.scene import resolve
+from pydlpoly.scene.settings import Settings
+from pydlpoly.units import DIMENSIONS
+
+NVE = {"ensemble": "nve", "ensemble_method": None, "ensemble_dpd_order": None}
+REPORTS = {"rdf_calculate": "on", "traj_calculate": "on"}
+
+
+def is_used(row):
+    return row.effect == "used" or "used" in row.option_effects.values()
+
+
+@pytest.fixture
+def readings(monkeypatch):
+    """Every Settings object that resolve makes."""
+    made = []
+
+    class Watched(Settings):
+        def __init__(self, control):
+            super().__init__(control)
+            made.append(self)
+
+    monkeypatch.setitem(resolve.__globals__, "Settings", Watched)
+    return made
+
+
+def test_every_used_keyword_is_asked_for(make, readings):
+    make(control=REPORTS).scene()
+    make(control={**NVE, **REPORTS}).scene()
+    consumed = set().union(*(settings.consumed for settings in readings))
+    used = {row.keyword for row in KEYWORDS.values() if is_used(row)}
+    assert len(readings) == 2
+    assert used - consumed == set()
+    assert consumed - used - {"coul_method"} == set()  # nothing that the table calls ignored or refused is read
+
+
+def values_of(row):
+    """Texts to try after a keyword: every option, a switch both ways, a number that is not the default."""
+    if row.kind == "option":
+        return row.options
+    if row.kind == "bool":
+        return ("on", "off")
+    if row.kind == "string":
+        return ("name",)
+    unit = "" if row.dimension in ("number", "integers", "any") else DIMENSIONS[row.dimension][0]
+    unit = "steps" if row.dimension == "steps" else unit
+    number = "3" if row.kind in ("int", "steps") or row.dimension == "integers" else "0.75"
+    return (f"[ {' '.join([number] * (row.length or 2))} ] {unit}" if row.kind == "vector" else f"{number} {unit}",)
+
+
+ALL_VALUES = [(row.keyword, text) for row in KEYWORDS.values() for text in values_of(row)]
+
+
+def is_accounted_for(scene, settings, keyword):
+    noted = any(keyword in note.text and note.where == "CONTROL:77" for note in scene.notes)
+    return noted or keyword == "coul_method" or (keyword in settings.consumed and is_used(KEYWORDS[keyword]))
+
+
+@pytest.mark.parametrize("ensemble", [{}, NVE], ids=["dpd", "nve"])
+def test_every_setting_is_used_noted_or_refused(make, readings, ensemble):
+    case = make(control=ensemble)
+    control = parse_control(case.control_text())
+    field, config = parse_field(case.field_text()), parse_config(case.config_text())
+    forgotten = []
+    for keyword, text in ALL_VALUES:
+        setting = parse_setting(KEYWORDS[keyword], text, line=77).setting
+        others = tuple(s for s in control if s.keyword != keyword)
+        try:
+            scene = resolve(replace(control, settings=(*others, setting)), field, config)
+        except SceneError as error:
+            blamed = (error.word, error.line) == (keyword, 77)
+        else:
+            blamed = is_accounted_for(scene, readings[-1], keyword)
+        if not blamed:
+            forgotten.append(f"{keyword} {text}")
+    assert forgotten == []
+    assert len(readings) == len(ALL_VALUES) > 350
+
+
+def test_refused_keyword_at_its_default_is_noted_as_switched_off(make):
+    scene = make(control={"replay": "off"}).scene()
+    assert ("ignored", "replay off: it is switched off", "CONTROL:10") in [
+        (n.kind, n.text, n.where) for n in scene.notes
+    ]
+
+
+def test_setting_without_effect_in_this_scene_is_noted(make):
+    scene = make(control={**NVE, "ensemble_dpd_drag": "2.0 dpd_m/dpd_t"}).scene()
+    texts = [n.text for n in scene.notes if n.kind == "ignored"]
+    assert "ensemble_dpd_drag 2 dpd_m/dpd_t: nothing in this scene uses it" in texts

@@ -1,0 +1,330 @@
+"""A gallery of scenes that are refused, each with the whole message the user sees."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from pydlpoly.errors import SceneError
+from pydlpoly.formats.config import parse_config
+from pydlpoly.formats.control import parse_control
+from pydlpoly.formats.field import parse_field
+from pydlpoly.formats.records import PairLine
+from pydlpoly.scene import resolve
+
+AVAILABLE = "available are ensemble nve, and ensemble nvt with ensemble_method dpd and ensemble_dpd_order mdvv"
+
+CASES = {
+    "ensemble_npt": (
+        {"control": {"ensemble": "npt"}},
+        f"CONTROL:2: 'ensemble': ensemble npt dpd is not modelled; {AVAILABLE}",
+    ),
+    "ensemble_langevin": (
+        {"control": {"ensemble_method": "langevin"}},
+        f"CONTROL:3: 'ensemble_method': ensemble nvt langevin is not modelled; {AVAILABLE}",
+    ),
+    "ensemble_nvt_alone": (
+        {"control": {"ensemble_method": None, "ensemble_dpd_order": None}},
+        f"CONTROL:2: 'ensemble': ensemble nvt needs a thermostat; {AVAILABLE}",
+    ),
+    "order_first": (
+        {"control": {"ensemble_dpd_order": "first"}},
+        (
+            "CONTROL:4: 'ensemble_dpd_order': the DPD thermostat with ensemble_dpd_order first is not"
+            f" modelled; {AVAILABLE}"
+        ),
+    ),
+    "order_missing": (
+        {"control": {"ensemble_dpd_order": None}},
+        f"CONTROL:3: 'ensemble_method': the DPD thermostat needs ensemble_dpd_order; {AVAILABLE}",
+    ),
+    "old_name_of_the_order": (
+        {"control": {"ensemble_method": "dpds1", "ensemble_dpd_order": None}},
+        (
+            "CONTROL:3: 'ensemble_dpd_order': the DPD thermostat with ensemble_dpd_order first is not"
+            f" modelled; {AVAILABLE}"
+        ),
+    ),
+    "timestep_zero": (
+        {"control": {"timestep": "0.0 ps"}},
+        "CONTROL:6: 'timestep': the timestep must be above 0 ps, not 0",
+    ),
+    "temperature_negative": (
+        {"control": {"temperature": "-1.0 K"}},
+        "CONTROL:5: 'temperature': the temperature must not be negative, found -1 K",
+    ),
+    "prediction": (
+        {"control": {"ensemble_dpd_lambda": "1.5"}},
+        "CONTROL:10: 'ensemble_dpd_lambda': Groot and Warren's lambda lies in 0 to 1, not 1.5",
+    ),
+    "weight_exponent": (
+        {"control": {"ensemble_dpd_exponent": "0.0"}},
+        "CONTROL:10: 'ensemble_dpd_exponent': the exponent of the drag's weight must be above 0, not 0",
+    ),
+    "replay": ({"control": {"replay": "on"}}, "CONTROL:10: 'replay': replay on is not modelled: replay of a HISTORY"),
+    "replication": (
+        {"control": {"nfold": "[ 2 2 2 ]"}},
+        "CONTROL:10: 'nfold': nfold [ 2 2 2 ] is not modelled: replication of the cell",
+    ),
+    "plumed": ({"control": {"plumed": "on"}}, "CONTROL:10: 'plumed': plumed on is not modelled: PLUMED"),
+    "vdw_by_ewald": (
+        {"control": {"vdw_method": "spme"}},
+        "CONTROL:10: 'vdw_method': vdw_method spme is not modelled: pair laws by Ewald summation",
+    ),
+    "cutoff_zero": ({"control": {"cutoff": "0.0 ang"}}, "CONTROL:7: 'cutoff': the cutoff must be above 0 ang, not 0"),
+    "vdw_cutoff_zero": (
+        {"control": {"vdw_cutoff": "0.0 ang"}},
+        "CONTROL:10: 'vdw_cutoff': the cutoff must be above 0 ang, not 0",
+    ),
+    "steps_negative": (
+        {"control": {"time_run": "-5 steps"}},
+        "CONTROL:8: 'time_run': the number of steps must not be negative, found -5",
+    ),
+    "interval_negative": (
+        {"control": {"print_frequency": "-5 steps"}},
+        "CONTROL:10: 'print_frequency': the interval must not be negative, found -5 steps",
+    ),
+    "override_no_drag": (
+        {"control": {"ensemble_dpd_drag_override": "on"}},
+        (
+            "CONTROL:10: 'ensemble_dpd_drag_override': needs ensemble_dpd_drag, the drag that is to "
+            "replace those of FIELD"
+        ),
+    ),
+    "force_cap_negative": (
+        {"control": {"equilibration_force_cap": "-1.0 dpd_f"}},
+        "CONTROL:10: 'equilibration_force_cap': the largest force must not be negative, found -1",
+    ),
+    "threads": (
+        {"control": {"threads": "-1"}},
+        "CONTROL:10: 'threads': the number of threads must not be negative, found -1",
+    ),
+    "bonds": (
+        {"atoms": ("A 1.0 0.0 2", "B 2.0 0.0"), "inside": "bonds 1\nharm 1 2 10.0 1.0"},
+        "FIELD:8: 'bonds': the block bonds of molecule mol1 is not modelled yet",
+    ),
+    "rigid": (
+        {"atoms": ("A 1.0 0.0 2", "B 2.0 0.0"), "inside": "rigid 1\n2 1 2"},
+        "FIELD:8: 'rigid': the block rigid of molecule mol1 is not modelled yet",
+    ),
+    "shells": (
+        {"atoms": ("A 1.0 0.0 2", "B 2.0 0.0"), "inside": "shell 1\n1 2 10.0"},
+        "FIELD:8: 'shells': the block shells of molecule mol1 is not modelled yet",
+    ),
+    "constraints": (
+        {"atoms": ("A 1.0 0.0 2", "B 2.0 0.0"), "inside": "constraints 1\n1 2 1.0"},
+        "FIELD:8: 'constraints': the block constraints of molecule mol1 is not modelled yet",
+    ),
+    "tethers": (
+        {"inside": "teth 1\nharm 1 10.0"},
+        "FIELD:8: 'tethers': the block tethers of molecule mol1 is not modelled yet",
+    ),
+    "metal": ({"after": "metal 1\nA A stch 1 2 3 4 5"}, "FIELD:18: 'metal': the block metal is not modelled yet"),
+    "electric_field": (
+        {"after": "extern\nelec 1 0 0"},
+        "FIELD:19: 'elec': this external field is not modelled yet; grav and oshr are",
+    ),
+    "grav_with_two_numbers": ({"after": "extern\ngrav 0 1"}, "FIELD:19: 'grav': takes 3 numbers (Gx Gy Gz), found 2"),
+    "oshr_in_a_parallelepiped": (
+        {"after": "extern\noshr 1 1", "imcon": 3},
+        ("FIELD:19: 'oshr': oscillating shear needs a cubic or orthorhombic cell (imcon 1 or 2), not imcon 3"),
+    ),
+    "charges": (
+        {"control": {"coul_method": "reaction_field"}, "atoms": ("A 1.0 1.0", "B 2.0 -2.0")},
+        (
+            "CONTROL:10: 'coul_method': electrostatics (coul_method reaction_field) are not modelled "
+            "yet, and these beads of FIELD are charged: A, B; coul_method off leaves the charges out"
+        ),
+    ),
+    "massless": (
+        {"atoms": ("A 0.0 0.0", "B 2.0 0.0")},
+        (
+            "FIELD:7: 'A': bead A of molecule mol1 has no mass (0) and is not frozen: massless beads "
+            "cannot be integrated yet; give it a mass or freeze it"
+        ),
+    ),
+    "too_few_beads": ({"names": ["A", "A", "A", "A", "B"]}, "CONFIG: 5 beads, but the molecules of FIELD add up to 6"),
+    "wrong_order": (
+        {"names": ["A", "A", "B", "A", "A", "B"]},
+        ("CONFIG: 'B': bead 3 is B, but FIELD expects A there (bead 1 of copy 3 of molecule mol1, FIELD:4)"),
+    ),
+    "too_few_beads_and_wrong_names": (
+        {"names": ["A", "B"]},
+        (
+            "CONFIG: 2 beads, but the molecules of FIELD add up to 6; bead 2 is B, but FIELD expects "
+            "A there (bead 1 of copy 2 of molecule mol1, FIELD:4)"
+        ),
+    ),
+    "cubic_edge_negative": (
+        {"cell": ((-4, 0, 0), (0, 4, 0), (0, 0, 4))},
+        "CONFIG: the cubic cell's edge must be positive, not -4",
+    ),
+    "orthorhombic_edge_zero": (
+        {"cell": ((4, 0, 0), (0, 0, 0), (0, 0, 4)), "imcon": 2},
+        "CONFIG: the orthorhombic cell's edges must be positive, not 4 0 4",
+    ),
+    "singular_cell": (
+        {"cell": ((4, 0, 0), (8, 0, 0), (0, 0, 4)), "imcon": 3},
+        "CONFIG: the cell vectors (4 0 0; 8 0 0; 0 0 4) span no volume (imcon 3)",
+    ),
+    "slab_out_of_plane": (
+        {"cell": ((4, 0, 1), (0, 4, 0), (0, 0, 4)), "imcon": 6},
+        "CONFIG: a slab (imcon 6) needs its first two cell vectors in the xy plane",
+    ),
+    "bead_far_away": (
+        {"positions": [(5000000000.0, 0, 0), (0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0), (4, 0, 0)]},
+        "CONFIG: bead 1 (A) lies more than a thousand million cells away from the origin",
+    ),
+    "unknown_law": (
+        {"vdw": ("A A mdpd 25.0 1.0 4.5",)},
+        (
+            "FIELD:15: 'mdpd': A A: is not a pair law that is modelled; did you mean dpd, ndpd? "
+            "(known: 12-6, 14-7, bhm, buck, dpd, hbnd, lj, ljc, ljf, m126, mbuc, mlj, mors, mstw, "
+            "ndpd, nm, ryd, sand, snm, sw, tab, wca, zbl, zblb, zbls)"
+        ),
+    ),
+    "too_few_parameters": ({"vdw": ("A A dpd 25.0",)}, "FIELD:15: 'dpd': A A: needs 2 numbers (A rc), found 1"),
+    "impossible_parameter": (
+        {"vdw": ("A A dpd 25.0 -1.0 4.5",)},
+        "FIELD:15: 'dpd': A A: pair law dpd: rc (number 2) must be a positive number, not -1",
+    ),
+    "extra_number": (
+        {"vdw": ("A A dpd 25.0 1.0 4.5 1.0 7.5",)},
+        (
+            "FIELD:15: '7.5': number 5 of the dpd record of A A has no meaning: the law takes A rc, "
+            "and after the drag and its cutoff the record ends"
+        ),
+    ),
+    "m126_has_no_room_for_a_drag": (
+        {"vdw": ("A A m126 1.0 1.0 0.8 4.5",)},
+        (
+            "FIELD:15: '4.5': number 4 of the m126 record of A A has no meaning: the law takes A B "
+            "ri, and its record has no room for a drag"
+        ),
+    ),
+    "zbl_drag_in_the_wrong_slot": (
+        {"vdw": ("A A zbl 6 8 4.5",)},
+        (
+            "FIELD:15: '4.5': number 3 of the zbl record of A A has no meaning: the law takes Z1 Z2, "
+            "and its drag is number 5 of the record"
+        ),
+    ),
+    "drag_cutoff_negative": (
+        {"vdw": ("A A dpd 25.0 1.0 4.5 -1.0",)},
+        "FIELD:15: 'dpd': A A: the drag's own cutoff (number 4) must be positive, not -1",
+    ),
+    "undefined_drags": (
+        {"vdw": ("A A dpd 25.0 1.0 4.5", "B B dpd 25.0 1.0")},
+        (
+            "FIELD: the DPD ensemble needs a drag for every pair, and none is defined for A-B, B-B; "
+            "cures: write it after the law's numbers on the pair's vdw line; a vdw_mix_method, when "
+            "both like pairs have a drag; ensemble_dpd_drag for all pairs without one"
+        ),
+    ),
+    "undefined_drags_with_mixing": (
+        {"control": {"vdw_mix_method": "lorentz-berthelot"}, "vdw": ("A A dpd 25.0 1.0 4.5", "B B dpd 25.0 1.0")},
+        (
+            "FIELD: the DPD ensemble needs a drag for every pair, and none is defined for A-B, B-B; "
+            "cures: write it after the law's numbers on the pair's vdw line; ensemble_dpd_drag for "
+            "all pairs without one"
+        ),
+    ),
+    "all_drags_zero": (
+        {"vdw": ("A A dpd 25.0 1.0 0.0", "A B dpd 25.0 1.0 0", "B B dpd 25.0 1.0 0")},
+        (
+            "FIELD: every drag is 0 under a DPD ensemble, which would be plain NVE without saying so:"
+            " give drags in FIELD or ensemble_dpd_drag, or choose ensemble nve"
+        ),
+    ),
+    "law_cannot_be_mixed": (
+        {"control": {"vdw_mix_method": "tang-toennies"}, "vdw": ("A A dpd 0.0 1.0 4.5", "B B dpd 25.0 1.0 4.5")},
+        (
+            "FIELD: the pair law of A-B cannot be mixed: mixing rule tang-toennies for pair law dpd: "
+            "the rule divides by both energies and both lengths, so all must be above zero; give this"
+            " pair its own line"
+        ),
+    ),
+    "drag_cannot_be_mixed": (
+        {
+            "control": {"vdw_mix_method": "functional"},
+            "vdw": ("A A dpd 0.0 1.0 4.5", "A B dpd 1.0 1.0", "B B dpd 25.0 1.0 4.5"),
+        },
+        (
+            "FIELD: the drag of A-B cannot be mixed: mixing rule functional for pair law dpd: the "
+            "drag divides by both energies, so a species with drag needs an energy above zero; give "
+            "this pair its own line"
+        ),
+    ),
+    "table_missing": (
+        {"vdw": ("A A tab 4.5", "A B dpd 1.0 1.0 4.5", "B B dpd 25.0 1.0 4.5")},
+        "FIELD: A-A is a tab pair, but the TABLE file has no entry for it",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_scene_is_refused_with_this_message(make, name):
+    changes, message = CASES[name]
+    with pytest.raises(SceneError) as caught:
+        make(**changes).scene()
+    assert str(caught.value) == message
+
+
+def records(make):
+    case = make()
+    return parse_control(case.control_text()), parse_field(case.field_text()), parse_config(case.config_text())
+
+
+def test_unknown_species_in_a_record_made_by_a_program(make):
+    control, field, config = records(make)
+    field = replace(field, pairs=(*field.pairs, PairLine(("A", "b"), "dpd", (1.0, 1.0, 1.0))))
+    with pytest.raises(SceneError) as caught:
+        resolve(control, field, config)
+    assert str(caught.value) == "FIELD: 'b': no molecule has a bead of this name; did you mean B?"
+
+
+def test_pair_twice_in_a_record_made_by_a_program(make):
+    control, field, config = records(make)
+    field = replace(field, pairs=(*field.pairs, PairLine(("B", "A"), "dpd", (1.0, 1.0, 1.0), line=40)))
+    with pytest.raises(SceneError) as caught:
+        resolve(control, field, config)
+    assert str(caught.value) == "FIELD:40: 'dpd': the pair B A is already given on line 16"
+
+
+def test_unknown_species_of_an_rdf_pair_in_a_record_made_by_a_program(make):
+    case = make(control={"rdf_calculate": "on"})
+    control, field, config = (
+        parse_control(case.control_text()),
+        parse_field(case.field_text()),
+        parse_config(case.config_text()),
+    )
+    with pytest.raises(SceneError) as caught:
+        resolve(control, replace(field, rdf_pairs=(("A", "X"),)), config)
+    assert str(caught.value) == "FIELD: 'X': the rdf block names a species that no molecule has"
+
+
+def test_no_beads_at_all(make):
+    control, field, config = records(make)
+    none = replace(field, molecules=tuple(replace(m, count=0) for m in field.molecules))
+    with pytest.raises(SceneError) as caught:
+        resolve(control, none, replace(config, names=(), positions=config.positions[:0]))
+    assert str(caught.value) == "FIELD: there are no beads: all molecules together have none"
+
+
+@pytest.mark.parametrize("imcon", [4, 5, 7, 8])
+def test_cell_shape_that_is_not_modelled(make, imcon):
+    control, field, config = records(make)
+    with pytest.raises(SceneError, match=rf"^CONFIG: periodicity key imcon {imcon}.*0, 1, 2, 3 and 6 are$"):
+        resolve(control, field, replace(config, imcon=imcon))
+
+
+@pytest.mark.parametrize("what", ["positions", "velocities"])
+def test_coordinate_that_is_not_finite(make, what):
+    control, field, config = records(make)
+    broken = config.positions.copy()
+    broken[2, 1] = float("nan")
+    with pytest.raises(SceneError) as caught:
+        resolve(control, field, replace(config, **{what: broken}))
+    word = {"positions": "position", "velocities": "velocity"}[what]
+    assert str(caught.value) == f"CONFIG: the {word} of bead 3 (A) is not finite"
