@@ -8,6 +8,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.typing import ArrayLike
+
 from pydlpoly import Scene, load
 from pydlpoly.formats.records import Configuration, FloatArray
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from pydlpoly import Scene, SceneError, Simulation, load, single_point
 from pydlpoly.engines.native import long_range_tail
 from pydlpoly.formats.records import FloatArray

@@ -11,6 +11,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+
 from pydlpoly import Simulation, _core
 
 from .scene_builder import make_scene
