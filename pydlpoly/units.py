@@ -272,7 +272,8 @@ def _word(word: str, path: str, line: int | None) -> Unit:
     if word.lower() == "ev" or word[1:].lower() == "ev":
         hint = "; the electron-volt is e.V, with a prefix ke.V"
     elif word[0].swapcase() in _PREFIXES and word[1:].lower() in _WORDS:
-        hint = f"; did you mean {word[0].swapcase()}{word[1:]}? (prefixes are case-sensitive)"
+        right = word.lower() if word[0].lower() in _PREFIXES else word[0].upper() + word[1:]
+        hint = f"; did you mean {right}? (prefixes are case-sensitive)"
     else:
         hint = suggest(word, [*_WORDS, "ps", "fs", "ns", "nm", "katm", "kj", "kcal"])
     raise InputError(f"is no unit word{hint}", path=path, line=line, word=word)
@@ -322,11 +323,12 @@ def convert(
     target, examples = DIMENSIONS[dimension]
     goal = parse_unit(target)
     if not _same_dimension(read, goal):
-        problem = f"is no unit of {dimension}" if unit else f"a {dimension} needs a unit"
+        what = "a number of steps" if dimension == "steps" else dimension
+        problem = f"is no unit of {what}" if unit else f"a unit of {what} is needed"
         raise InputError(f"{problem}; examples: {examples}", path=path, line=line, word=unit or None)
     power = read.steps - (1 if dimension == "steps" else 0)
     if power and not timestep:
-        raise InputError(f"a {dimension} in this unit needs a timestep above 0", path=path, line=line, word=unit)
+        raise InputError("steps can be converted only with a timestep above 0", path=path, line=line, word=unit)
     factor = read.factor / goal.factor
     if power:
         factor *= float(timestep or 1.0) ** power

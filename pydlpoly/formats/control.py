@@ -12,7 +12,7 @@ from pathlib import Path
 
 from pydlpoly.errors import InputError
 from pydlpoly.formats.control_old import parse_old
-from pydlpoly.formats.control_old_directives import is_directive
+from pydlpoly.formats.control_old_directives import NAMES, is_directive
 from pydlpoly.formats.control_old_write import write_old
 from pydlpoly.formats.control_values import (
     Effect,
@@ -102,15 +102,15 @@ def _is_new_style(lines: list[str]) -> bool:
     """Tell the new style: the first word of the file, comments and blank lines apart, is ``title``.
 
     That is DL_POLY's rule, and it takes an old file for a new one when its title happens to begin with that word. So
-    such a file counts as old after all when at least one later line makes only old sense (it begins with an old
-    directive that is no new keyword, such as ``steps`` or ``finish``) and none makes only new sense (``time_run``).
+    such a file counts as old after all when a later line is ``finish``, which every old file needs and no new one has,
+    and no line makes only new sense (such as ``time_run``). Other old directives decide nothing: by their leading
+    letters they would take a slip such as ``cutof 1.0 ang`` in a new file for old style.
     """
     first_words = [body.split()[0].lower() for body in map(_strip_comment, lines) if body]
     if not first_words or first_words[0] != "title":
         return False
     only_new = any(lookup(word) is not None and not is_directive(word) for word in first_words[1:])
-    only_old = any(lookup(word) is None and is_directive(word) for word in first_words[1:])
-    return only_new or not only_old
+    return only_new or "finish" not in first_words[1:]
 
 
 def _strip_comment(line: str) -> str:
@@ -123,11 +123,11 @@ def _parse_new(lines: list[str], path: str, lenient: bool) -> Control:
     continued: tuple[int, str] | None = None
     for number, line in enumerate(lines, start=1):
         body = _strip_comment(line)
+        if not body:
+            continue
         if continued is not None:
             number, body = continued[0], f"{continued[1]} {body}"
             continued = None
-        if not body:
-            continue
         word, rest = [*body.split(None, 1), ""][:2]
         if word.lower() == "title":
             if title is not None:
@@ -147,22 +147,24 @@ def _parse_new(lines: list[str], path: str, lenient: bool) -> Control:
 def _read_line(reading: Reading, word: str, rest: str, number: int) -> None:
     row = lookup(word)
     if row is None:
-        old = "; this is an old-style directive, and the file is in the new style" if is_directive(word) else ""
-        reading.complain(f"is no keyword of CONTROL{nearest(word) or old}", number, word)
+        old = "; it is an old-style directive, and the file is in the new style" if is_directive(word) else ""
+        hint = old if word.lower() in NAMES else nearest(word) or old
+        reading.complain(f"is no keyword of CONTROL{hint}", number, word)
         return
     method = rest.split()[0].lower() if rest.split() else ""
     if row.keyword == "ensemble_method" and method in _OLD_METHODS:
         _read_old_method(reading, method, rest.split()[1:], number)
         return
-    reading.add(parse_setting(row, rest, path=reading.path, line=number))
+    reading.add(parse_setting(row, rest, path=reading.path, line=number), word)
 
 
 def _read_old_method(reading: Reading, method: str, leftover: list[str], number: int) -> None:
     """Take ``ensemble_method dpds1`` as ``dpd`` with ``ensemble_dpd_order first``, and say so."""
     order = _OLD_METHODS[method]
     warning = f"{method} is an old name; it is read as ensemble_method dpd with ensemble_dpd_order {order}"
-    reading.add(Parsed(Setting("ensemble_method", "dpd", None, number), tuple(leftover), (warning,)))
-    reading.add(Parsed(Setting("ensemble_dpd_order", order, None, number)))
+    method_set = Parsed(Setting("ensemble_method", "dpd", None, number), tuple(leftover), (warning,))
+    reading.add(method_set, "ensemble_method")
+    reading.add(Parsed(Setting("ensemble_dpd_order", order, None, number)), method)
 
 
 def write_control(control: Control) -> str:

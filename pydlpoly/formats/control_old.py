@@ -30,7 +30,8 @@ def parse_old(lines: list[str], path: str, lenient: bool) -> Control:
             break
         _read_directive(Line(reading, number, words), lines[number:])
     if not finished:
-        reading.complain("is missing at the end of this old-style file", len(lines), "finish")
+        last = max(number for number, raw in enumerate(lines, start=1) if raw.strip())
+        reading.complain("is missing at the end of this old-style file", last, "finish")
     _fill_defaults(reading)
     return Control(lines[0].strip(), tuple(reading.settings.values()), "old", path, tuple(reading.warnings))
 
@@ -45,7 +46,7 @@ def _read_directive(line: Line, following: list[str]) -> None:
     HANDLERS[name](line)
     leftover = tuple(line.words[line.position :])
     for keyword, value, unit in line.made:
-        line.reading.add(Parsed(Setting(keyword, value, unit, line.number)))
+        line.reading.add(Parsed(Setting(keyword, value, unit, line.number)), line.words[0])
     if leftover:
         message = "is left over after an old-style directive; a remark must begin with # or !"
         line.reading.complain(message, line.number, " ".join(leftover))

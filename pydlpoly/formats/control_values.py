@@ -51,12 +51,13 @@ class Reading:
             raise error
         self.warnings.append(str(error))
 
-    def add(self, parsed: Parsed) -> None:
-        """Take a setting over; a second one of the same keyword is an error, or replaces the first when lenient."""
+    def add(self, parsed: Parsed, word: str) -> None:
+        """Take over a setting that ``word`` gives; a second one is an error, or replaces the first when lenient."""
         setting = parsed.setting
         before = self.settings.pop(setting.keyword, None)
         if before is not None:
-            self.complain(f"is given twice, first in line {before.line}", setting.line, setting.keyword)
+            again = "is given twice" if word.lower() == setting.keyword else f"gives {setting.keyword} a second time"
+            self.complain(f"{again}, first in line {before.line}", setting.line, word)
         if parsed.leftover:
             self.complain(
                 f"is left over after {format_setting(setting)!r}; one keyword, one value and one unit make a line",
@@ -140,7 +141,8 @@ def _option(row: Keyword, words: list[str], path: str, line: int) -> Parsed:
     word = words[0].lower()
     value = synonyms.get(word, word)
     if value not in row.options:
-        hint = suggest(word, [*row.options, *synonyms])
+        alike = [option for option in row.options if option.startswith(word[:4])]
+        hint = f"; did you mean {', '.join(alike)}?" if alike else suggest(word, [*row.options, *synonyms])
         message = f"is no option of {row.keyword}, which takes {', '.join(row.options)}{hint}"
         raise InputError(message, path=path, line=line or None, word=words[0])
     return Parsed(Setting(row.keyword, value, None, line), tuple(words[1:]))
@@ -148,8 +150,8 @@ def _option(row: Keyword, words: list[str], path: str, line: int) -> Parsed:
 
 def _vector(row: Keyword, text: str, path: str, line: int) -> Parsed:
     text = text.strip()
-    if row.keyword == "random_seed" and "[" not in text:
-        return _single_seed(row, text.split(), path, line)
+    if row.keyword == "random_seed" and len(text.split()) == 1 and "[" not in text:
+        return _single_seed(row, text, path, line)
     inside, closed, after = text[1:].partition("]")
     if not text.startswith("[") or not closed:
         message = f"numbers in brackets are expected: {usage(row)}"
@@ -163,12 +165,12 @@ def _vector(row: Keyword, text: str, path: str, line: int) -> Parsed:
     return Parsed(Setting(row.keyword, value, unit, line), leftover, warnings)
 
 
-def _single_seed(row: Keyword, words: list[str], path: str, line: int) -> Parsed:
-    number = parse_number(words[0])
+def _single_seed(row: Keyword, word: str, path: str, line: int) -> Parsed:
+    number = parse_number(word)
     if not isinstance(number, int) or not 0 <= number < 2**64:
         message = "a seed is three whole numbers in brackets or one whole number from 0 to 18446744073709551615"
-        raise InputError(message, path=path, line=line or None, word=words[0])
-    return Parsed(Setting(row.keyword, (number,), None, line), tuple(words[1:]))
+        raise InputError(message, path=path, line=line or None, word=word)
+    return Parsed(Setting(row.keyword, (number,), None, line))
 
 
 def _number(row: Keyword, words: list[str], path: str, line: int) -> Parsed:
