@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple, NoReturn, cast
+from typing import NoReturn
 
 from pydlpoly.errors import suggest
 from pydlpoly.formats.field_keys import (
@@ -30,11 +30,6 @@ class _Parts:
     @property
     def label(self) -> str:
         return f"molecule {self.name!r}" if self.name else "the molecule without a name"
-
-
-class _Numbers(NamedTuple):
-    beads: tuple[int, ...]
-    parameters: tuple[float, ...]
 
 
 def read_molecules(lines: FieldLines, count: int, head: Line) -> tuple[Molecule, ...]:
@@ -68,10 +63,8 @@ def _read_molecule(lines: FieldLines, ordinal: int, count: int, head: Line) -> M
 
 def _read_name(lines: FieldLines, ordinal: int, count: int, head: Line) -> _Parts:
     expected = f"the name of molecule {ordinal} of {count} (molecules on line {head.number})"
-    line, following = lines.peek(), lines.peek(1)
-    if line is None:
-        lines.next(expected)
-        raise AssertionError("unreachable")  # next() has raised
+    line = lines.peek() or lines.next(expected)
+    following = lines.peek(1)
     starts = canonical_directive(line.words[0], MOLECULE_DIRECTIVES)
     then = canonical_directive(following.words[0], MOLECULE_DIRECTIVES) if following else None
     if starts == "nummols" and then != "nummols":
@@ -180,15 +173,18 @@ def _read_block(lines: FieldLines, parts: _Parts, directive: str, head: Line) ->
     earlier = next((b for b in parts.blocks if b.directive == directive), None)
     if earlier:
         lines.fail(f"{parts.label} has {directive} twice (first on line {earlier.line})", head, head.words[0])
-    if directive != "pmf":
+    if directive not in ("pmf", "rigid", "constraints"):
         lines.need_units(head)
     if directive == "pmf":
         rows = _read_pmf(lines, head)
     else:
         count = lines.count(head, f"the number of {directive} lines")
-        read = _read_rigid if directive == "rigid" else _read_bonded
-        rows = tuple(read(lines, directive, head, i, count) for i in range(count))
-    parts.blocks.append(MoleculeBlock(cast("MoleculeBlock", directive), rows, head.number))  # type: ignore[arg-type]
+        if directive == "rigid":
+            rows = tuple(_read_rigid(lines, head, i, count) for i in range(count))
+        else:
+            rows = tuple(_read_bonded(lines, directive, head, i, count) for i in range(count))
+    # The directives that do not head a block have been dealt with by the caller.
+    parts.blocks.append(MoleculeBlock(directive, rows, head.number))  # type: ignore[arg-type]
 
 
 def _read_bonded(lines: FieldLines, directive: str, head: Line, done: int, count: int) -> BondedLine:
@@ -226,8 +222,7 @@ def _bead(lines: FieldLines, line: Line, position: int, needed: int) -> int:
     return bead
 
 
-def _read_rigid(lines: FieldLines, directive: str, head: Line, done: int, count: int) -> BondedLine:
-    del directive
+def _read_rigid(lines: FieldLines, head: Line, done: int, count: int) -> BondedLine:
     line = first = lines.next(f"rigid unit {done + 1} of {count} (rigid on line {head.number})")
     size = parse_integer(line.words[0])
     if size is None:
@@ -258,7 +253,6 @@ def _no_more_numbers(lines: FieldLines, line: Line, words: Sequence[str], size: 
 
 def _read_pmf(lines: FieldLines, head: Line) -> tuple[BondedLine, ...]:
     """Read the length and the two units; lines have the keys ``length`` and ``unit`` (parameters: the weights)."""
-    lines.need_units(head)
     length = next((v for w in head.words[1:] if (v := parse_number(w)) is not None), None)
     if length is None or length <= 0.0:
         lines.fail("expected the constraint's length, a positive number, after pmf", head, head.words[0])
@@ -269,16 +263,16 @@ def _read_pmf(lines: FieldLines, head: Line) -> tuple[BondedLine, ...]:
             lines.fail(f"expected 'pmf unit' and its number of beads (unit {ordinal} of 2)", line, line.words[0])
         size = lines.count(line, "the number of beads in the unit", least=1)
         members = [_pmf_member(lines, line, i, size) for i in range(size)]
-        beads, weights = tuple(m.beads[0] for m in members), tuple(m.parameters[0] for m in members)
+        beads, weights = zip(*members, strict=True)
         rows.append(BondedLine("unit", beads, weights, line.number))
     return tuple(rows)
 
 
-def _pmf_member(lines: FieldLines, head: Line, done: int, size: int) -> _Numbers:
+def _pmf_member(lines: FieldLines, head: Line, done: int, size: int) -> tuple[int, float]:
     line = lines.next(f"bead {done + 1} of {size} of the pmf unit on line {head.number}")
     bead = _bead(lines, line, 0, 1)
     weights = lines.trailing_numbers(line, 1)
-    return _Numbers((bead,), weights[:1] or (0.0,))
+    return bead, weights[0] if weights else 0.0
 
 
 def _check_beads(lines: FieldLines, molecule: Molecule) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from math import isfinite
 
 from pydlpoly.errors import InputError
-from pydlpoly.formats.field_keys import MOLECULE_DIRECTIVES, TOP_DIRECTIVES, WRITTEN, canonical_directive
+from pydlpoly.formats.field_keys import WRITTEN
 from pydlpoly.formats.lexing import WORD_LIMIT, split_words
 from pydlpoly.formats.records import AtomLine, BondedLine, Field, Molecule, MoleculeBlock
 
@@ -106,10 +106,6 @@ def _species(name: str) -> str:
 
 
 def _molecule_name(name: str) -> str:
-    words = split_words(name)
-    taken = bool(words) and (
-        canonical_directive(words[0], MOLECULE_DIRECTIVES) or canonical_directive(words[0], TOP_DIRECTIVES)
-    )
-    if _one_line(name, "a molecule's name") != name.strip() or (name and not words) or taken:
-        raise InputError("this molecule name would be read as something else", word=name)
+    if _one_line(name, "a molecule's name") != name.strip() or (name and not split_words(name)):
+        raise InputError("a molecule's name must not begin with #, !, or a blank, or end with one", word=name)
     return name

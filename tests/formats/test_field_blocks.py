@@ -102,6 +102,16 @@ def test_every_pair_key() -> None:
     assert len(PAIR_KEYS) == 26
 
 
+@pytest.mark.parametrize("word", ["VDW 1", " Vdw   1", "vdw potentials 1", "\tvdw\t1 pair"])
+def test_spellings_of_vdw(word: str) -> None:
+    assert after(f"{word}\nOW HW lj 0.0 1.0\n").pairs == (PairLine(("OW", "HW"), "lj", (0.0, 1.0)),)
+
+
+def test_blocks_without_energies_need_no_unit() -> None:
+    text = MOLECULE.replace("units kJ\n", "") + "constraints 1\n1 2 1.0\nrigid 1\n2 1 3\nfinish\nclose\n"
+    assert parse_field(text).units == "internal"
+
+
 @pytest.mark.parametrize(
     ("line", "key", "numbers"),
     [
