@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NoReturn
 
 import numpy as np
+
 from pydlpoly.errors import InputError
 from pydlpoly.formats.config_writer import write_config, write_config_to
 from pydlpoly.formats.lexing import (

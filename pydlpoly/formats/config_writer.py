@@ -6,6 +6,7 @@ import io
 from typing import BinaryIO
 
 import numpy as np
+
 from pydlpoly.errors import InputError
 from pydlpoly.formats.fortran import (
     ByteColumns,

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+
 from pydlpoly.errors import InputError, suggest
 from pydlpoly.formats.lexing import (
     WORD_LIMIT,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+
 from pydlpoly.errors import InputError
 from pydlpoly.formats.config import parse_config
 
