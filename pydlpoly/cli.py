@@ -209,9 +209,11 @@ def _closing_words(result: RunResult) -> None:
     seen = simulation.observe()
     units = simulation.scene.units
     rate = simulation.scene.bead_count * simulation.steps_per_second / 1e6
+    temperature = f"{seen.temperature:.5g} {units.temperature_label}".rstrip()
+    pressure = f"{seen.pressure:.5g} {units.pressure_label}".rstrip()
     typer.echo(
-        f"step {simulation.step}: T = {seen.temperature:.5g} {units.temperature_label}, P = {seen.pressure:.5g} "
-        f"{units.pressure_label}, {rate:.2f} million bead-steps a second; seed {simulation.seed}; files in {result.folder}"
+        f"step {simulation.step}: T = {temperature}, P = {pressure}, {rate:.2f} million bead-steps a second; "
+        f"seed {simulation.seed}; files in {result.folder}"
     )
 
 

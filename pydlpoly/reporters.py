@@ -233,7 +233,7 @@ class OutputReporter:
         summary = RunSummary(
             steps=simulation.step,
             time=simulation.time,
-            averaged_steps=self._averages.taken,
+            averaged_steps=self._averages.taken * self._sample_every,
             averaged_time=self._averages.taken * self._sample_every * scene.dynamics.timestep,
             elapsed=elapsed,
             loop_seconds=timings.get("steps", elapsed),

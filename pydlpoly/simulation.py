@@ -230,7 +230,11 @@ class Simulation:
         )
 
     def set_state(self, *, positions: FloatArray | None = None, velocities: FloatArray | None = None) -> None:
-        """Replace positions and/or velocities, (N, 3) each, and recompute the forces. Raises ValueError on bad shapes."""
+        """Replace positions and/or velocities, (N, 3) each, and recompute the forces.
+
+        Raises:
+            ValueError: an array has another shape or is not finite.
+        """
         system = self._engine.system
         if positions is not None:
             system.positions = positions
@@ -266,7 +270,7 @@ class Simulation:
         return max(1, round(self.scene.cutoff / self.scene.output.rdf_bin_width))
 
     def distance_counts(self) -> tuple[NDArray[np.int64], int]:
-        """Return pair distance counts (species, species, bins), each pair once under a ≤ b, and the number of samples."""
+        """Return pair distance counts, (species, species, bins) with a ≤ b, and the number of samples."""
         counts = self._engine.distance_counts(self.rdf_bins, len(self.scene.species))
         return counts, int(self._engine.system.distance_samples)
 

@@ -6,9 +6,8 @@
 namespace dlpoly::bind {
 
 void bind_errors(pybind11::module_& m);  // exceptions of the core
+void bind_pair(pybind11::module_& m);    // pair laws, their tails and their mixing
 void bind_random(pybind11::module_& m);  // random numbers
 void bind_system(pybind11::module_& m);  // the simulation
 
 }  // namespace dlpoly::bind
-
-void bind_pair(pybind11::module_& module);  // pair laws, their tails and their mixing

@@ -19,6 +19,8 @@
 
 namespace py = pybind11;
 
+namespace dlpoly::bind {
+
 namespace {
 
 using dlpoly::pair::LawInfo;
@@ -136,7 +138,7 @@ void bind_pair(py::module_& module) {
     module.def("pair_range", &pair_range, py::arg("key"), py::arg("parameters"),
                "Distance in Å where the law itself ends; 0 when it ends at the run's cutoff.");
     module.def("pair_tail", &pair_tail, py::arg("key"), py::arg("parameters"), py::arg("cutoff"),
-               "(integral of U r^2 dr, integral of r^3 dU/dr dr) from the cutoff to infinity; (0, 0) for laws without "
+               "Integrals of U r^2 dr and of r^3 dU/dr dr from the cutoff to infinity; (0, 0) for laws without "
                "a long-range correction.");
     module.def("mix", &mix, py::arg("rule"), py::arg("key"), py::arg("parameters_i"), py::arg("parameters_j"),
                py::arg("drag_i"), py::arg("drag_j"),
@@ -144,3 +146,5 @@ void bind_pair(py::module_& module) {
                "Raises ValueError for laws that cannot be mixed and for numbers the rule cannot take.");
     module.def("mixing_rules", &mixing_rules, "Names of the mixing rules; DL_POLY's spellings are accepted as well.");
 }
+
+}  // namespace dlpoly::bind

@@ -1,6 +1,7 @@
 // The random numbers of the core, for tests of their quality and for analysis.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
 #include "bind/bind.hpp"
 #include "core/random.hpp"
@@ -20,10 +21,8 @@ void bind_random(py::module_& m) {
         },
         py::arg("seed"), py::arg("step"), py::arg("i"), py::arg("j"), py::arg("image") = 0,
         "Standard normal noise of the pairs (i, j) of bead ids (from 0) in a step; symmetric in i and j.");
-    m.def(
-        "philox",
-        [](const std::array<std::uint32_t, 4>& counter, std::uint64_t key) { return dlpoly::philox(counter, key); },
-        py::arg("counter"), py::arg("key"), "The four words of Philox4x32-10 for one counter and key.");
+    m.def("philox", &dlpoly::philox, py::arg("counter"), py::arg("key"),
+          "The four words of Philox4x32-10 for one counter and key.");
 }
 
 }  // namespace dlpoly::bind

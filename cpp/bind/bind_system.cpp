@@ -223,7 +223,7 @@ void bind_system(py::module_& m) {
         .def_property_readonly("kinetic_tensor", [](const System& s) { return kinetic_tensor(s.state.particles); })
         .def_property_readonly("momentum", [](const System& s) { return momentum(s.state.particles); })
         .def_property_readonly("cell_counts", [](System& s) { return s.forces.pairs().cells().counts(); })
-        .def("enable_distances", &System::enable_distances, py::arg("range"), py::arg("bins"), py::arg("every"))
+        .def("enable_distances", &System::enable_distances, py::arg("reach"), py::arg("bins"), py::arg("every"))
         .def("distance_counts", &distance_counts)
         .def_property_readonly("distance_samples",
                                [](const System& s) { return s.distances ? s.distances->samples() : 0; })

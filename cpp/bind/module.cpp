@@ -7,7 +7,7 @@ PYBIND11_MODULE(_core, m) {
     m.doc() = "Compiled core of pydlpoly: pair laws, mixing, forces, integration. Use it through the Python package.";
     m.attr("__version__") = PYDLPOLY_VERSION;
     dlpoly::bind::bind_errors(m);
-    bind_pair(m);
+    dlpoly::bind::bind_pair(m);
     dlpoly::bind::bind_random(m);
     dlpoly::bind::bind_system(m);
 }

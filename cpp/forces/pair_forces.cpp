@@ -115,7 +115,8 @@ void PairForces::compute(const Box& box, Particles& particles, const Array3N& ve
 }
 
 // One walk over all pairs. Returns the largest terms met, in units of the largest the grids allow.
-PairForces::Largest PairForces::visit_pairs(const Box& box, const ForceRequest& request, int exponent, int energy_exponent) {
+PairForces::Largest PairForces::visit_pairs(const Box& box, const ForceRequest& request, int exponent,
+                                            int energy_exponent) {
     sums_.assign(3 * cells_.order().size(), 0);
     workers_.resize(static_cast<std::size_t>(thread_limit()));
     for (PairWorker& worker : workers_) {
@@ -281,7 +282,8 @@ void PairForces::flush(std::size_t kind, PairWorker& worker) {
         if (worker.request.observe) {
             const double reach = batch.distance_squared[k] * energy_scale;
             largest_energy = std::abs(result.energy[k]) * energy_scale;
-            for (const double part : {result.conservative[k], drag ? result.drag[k] : 0.0, drag ? result.noise[k] : 0.0}) {
+            for (const double part :
+                 {result.conservative[k], drag ? result.drag[k] : 0.0, drag ? result.noise[k] : 0.0}) {
                 largest_energy = std::max(largest_energy, std::abs(part) * reach);
             }
         }

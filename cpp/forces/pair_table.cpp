@@ -75,6 +75,7 @@ void PairTable::set_drag(std::int32_t a, std::int32_t b, const PairDrag& drag) {
 }
 
 double PairTable::characteristic_force(double thermal_energy) const {
+    constexpr int points = 400;
     double largest = 0.0;
     for (std::uint32_t t = 0; t < terms_; ++t) {
         if (kernel_of_[t] == no_kernel) {
@@ -83,16 +84,26 @@ double PairTable::characteristic_force(double thermal_energy) const {
         const PairKernel& law = *kernels_[kernel_of_[t]];
         const double cutoff = law_cutoff_[t];
         const double reference = law.at(t, cutoff * (1.0 - 1e-12)).first;
-        constexpr int points = 400;
+        std::vector<double> forces;
         for (int k = points - 1; k > 0; --k) {
             const auto [energy, force] = law.at(t, cutoff * k / points);
-            if (!std::isfinite(energy) || !std::isfinite(force)) {
+            // Both directions count: Buckingham's law falls without bound inside its barrier.
+            if (!std::isfinite(energy) || !std::isfinite(force) ||
+                (thermal_energy > 0.0 && std::abs(energy - reference) > 50.0 * thermal_energy)) {
                 break;
             }
-            largest = std::max(largest, std::abs(force));
-            if (energy - reference > 50.0 * thermal_energy && thermal_energy > 0.0) {
-                break;
-            }
+            forces.push_back(std::abs(force));
+        }
+        if (forces.empty()) {
+            continue;
+        }
+        if (thermal_energy > 0.0) {
+            largest = std::max(largest, *std::max_element(forces.begin(), forces.end()));
+        } else {
+            // Without a temperature nothing says how close beads come: a multiple of the law's middle force.
+            const auto middle = forces.begin() + static_cast<std::ptrdiff_t>(forces.size() / 2);
+            std::nth_element(forces.begin(), middle, forces.end());
+            largest = std::max(largest, 64.0 * *middle);
         }
     }
     return largest;

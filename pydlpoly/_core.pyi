@@ -1,0 +1,298 @@
+"""
+Compiled core of pydlpoly: pair laws, mixing, forces, integration. Use it through the Python package.
+"""
+
+from __future__ import annotations
+
+import collections.abc
+import typing
+
+import numpy
+import numpy.typing
+
+__all__: list[str] = [
+    "PairTable",
+    "StepSettings",
+    "System",
+    "evaluate_pair",
+    "has_threads",
+    "mix",
+    "mixing_rules",
+    "pair_laws",
+    "pair_noise",
+    "pair_range",
+    "pair_tail",
+    "philox",
+    "set_threads",
+    "thread_limit",
+]
+
+class PairTable:
+    """
+    What acts between every two species; makes one System.
+    """
+    def __init__(self, species: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def set_drag(
+        self,
+        a: typing.SupportsInt | typing.SupportsIndex,
+        b: typing.SupportsInt | typing.SupportsIndex,
+        drag: typing.SupportsFloat | typing.SupportsIndex,
+        noise: typing.SupportsFloat | typing.SupportsIndex,
+        cutoff: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+    def set_law(
+        self,
+        a: typing.SupportsInt | typing.SupportsIndex,
+        b: typing.SupportsInt | typing.SupportsIndex,
+        key: str,
+        parameters: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        cutoff: typing.SupportsFloat | typing.SupportsIndex,
+        force_shift: bool = False,
+    ) -> None: ...
+    def set_table(
+        self,
+        a: typing.SupportsInt | typing.SupportsIndex,
+        b: typing.SupportsInt | typing.SupportsIndex,
+        energy: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        virial: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        spacing: typing.SupportsFloat | typing.SupportsIndex,
+        cutoff: typing.SupportsFloat | typing.SupportsIndex,
+        force_shift: bool = False,
+    ) -> None: ...
+
+class StepSettings:
+    """
+    How a step is taken; see cpp/integrate/step_settings.hpp.
+    """
+
+    drag: bool
+    remove_drift: bool
+    def __init__(self) -> None: ...
+    @property
+    def degrees_of_freedom(self) -> int: ...
+    @degrees_of_freedom.setter
+    def degrees_of_freedom(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def equilibration_steps(self) -> int: ...
+    @equilibration_steps.setter
+    def equilibration_steps(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def force_cap(self) -> float: ...
+    @force_cap.setter
+    def force_cap(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def prediction(self) -> float: ...
+    @prediction.setter
+    def prediction(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def regauss_every(self) -> int: ...
+    @regauss_every.setter
+    def regauss_every(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def rescale_every(self) -> int: ...
+    @rescale_every.setter
+    def rescale_every(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def seed(self) -> int: ...
+    @seed.setter
+    def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def thermal_energy(self) -> float: ...
+    @thermal_energy.setter
+    def thermal_energy(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def timestep(self) -> float: ...
+    @timestep.setter
+    def timestep(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def weight_exponent(self) -> float: ...
+    @weight_exponent.setter
+    def weight_exponent(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class System:
+    """
+    State, forces and integrator of one simulation.
+    """
+
+    settings: StepSettings
+    def __init__(
+        self,
+        cell: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"],
+        periodic: typing.Annotated[collections.abc.Sequence[bool], "FixedSize(3)"],
+        positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"],
+        velocities: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"],
+        mass: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        species: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+        frozen: collections.abc.Sequence[bool],
+        pairs: PairTable,
+        settings: StepSettings,
+    ) -> None: ...
+    def add_external_field(
+        self, key: str, parameters: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]
+    ) -> None: ...
+    def distance_counts(self) -> numpy.typing.NDArray[numpy.int64]: ...
+    def draw_velocities(self, zero_momentum: bool) -> None: ...
+    def enable_distances(
+        self,
+        reach: typing.SupportsFloat | typing.SupportsIndex,
+        bins: typing.SupportsInt | typing.SupportsIndex,
+        every: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None: ...
+    def initialise(self) -> None:
+        """
+        Computes and observes the forces of the present state.
+        """
+    def remove_drift(self) -> None: ...
+    def rescale_velocities(self) -> None: ...
+    def restore_distances(
+        self,
+        counts: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+        samples: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None: ...
+    def run(self, steps: typing.SupportsInt | typing.SupportsIndex) -> None:
+        """
+        Takes steps and observes the last one.
+        """
+    def set_cell_width(self, width: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        Link cells of at least this width instead of one range; never changes results.
+        """
+    @property
+    def cell_counts(self) -> typing.Annotated[list[int], "FixedSize(3)"]: ...
+    @property
+    def conservative_virial_tensor(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]: ...
+    @property
+    def distance_samples(self) -> int: ...
+    @property
+    def drag_virial_tensor(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]: ...
+    @property
+    def forces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]: ...
+    @forces.setter
+    def forces(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None: ...
+    @property
+    def images(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 3]"]: ...
+    @images.setter
+    def images(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> None: ...
+    @property
+    def kinetic_tensor(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]: ...
+    @property
+    def momentum(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def noise_virial_tensor(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]: ...
+    @property
+    def pair_energy(self) -> float: ...
+    @property
+    def positions(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]: ...
+    @positions.setter
+    def positions(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None: ...
+    @property
+    def ready(self) -> bool:
+        """
+        Whether the forces belong to the present positions.
+        """
+    @ready.setter
+    def ready(self, arg0: bool) -> None: ...
+    @property
+    def step(self) -> int: ...
+    @step.setter
+    def step(self, arg1: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def time(self) -> float: ...
+    @time.setter
+    def time(self, arg1: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def velocities(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]: ...
+    @velocities.setter
+    def velocities(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None: ...
+    @property
+    def volume(self) -> float: ...
+
+def evaluate_pair(
+    key: str,
+    parameters: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+    cutoff: typing.SupportsFloat | typing.SupportsIndex,
+    distances: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    force_shift: bool = False,
+    table: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,
+    spacing: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+) -> tuple:
+    """
+    U and -dU/dr (internal units, arrays shaped like distances in Å) of one pair law, zero from the cutoff on.
+
+    table: (points, 2) array of U and G = -r dU/dr at r = spacing, 2 spacing, ...; only for tab.
+    Raises ValueError for an unknown key and for parameters outside their range.
+    """
+
+def has_threads() -> bool:
+    """
+    Whether the core was built with OpenMP.
+    """
+
+def mix(
+    rule: str,
+    key: str,
+    parameters_i: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+    parameters_j: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+    drag_i: typing.SupportsFloat | typing.SupportsIndex,
+    drag_j: typing.SupportsFloat | typing.SupportsIndex,
+) -> tuple:
+    """
+    Parameters and drag of the pair i-j from those of i-i and j-j, which follow the same pair law.
+
+    Raises ValueError for laws that cannot be mixed and for numbers the rule cannot take.
+    """
+
+def mixing_rules() -> list[str]:
+    """
+    Names of the mixing rules; DL_POLY's spellings are accepted as well.
+    """
+
+def pair_laws() -> list:
+    """
+    Every pair law: key, parameter names and what the scene must know about it.
+    """
+
+def pair_noise(
+    seed: typing.SupportsInt | typing.SupportsIndex,
+    step: typing.SupportsInt | typing.SupportsIndex,
+    i: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32],
+    j: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32],
+    image: typing.SupportsInt | typing.SupportsIndex = 0,
+) -> typing.Any:
+    """
+    Standard normal noise of the pairs (i, j) of bead ids (from 0) in a step; symmetric in i and j.
+    """
+
+def pair_range(key: str, parameters: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> float:
+    """
+    Distance in Å where the law itself ends; 0 when it ends at the run's cutoff.
+    """
+
+def pair_tail(
+    key: str,
+    parameters: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+    cutoff: typing.SupportsFloat | typing.SupportsIndex,
+) -> tuple:
+    """
+    (integral of U r^2 dr, integral of r^3 dU/dr dr) from the cutoff to infinity; (0, 0) for laws without a long-range correction.
+    """
+
+def philox(
+    counter: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(4)"],
+    key: typing.SupportsInt | typing.SupportsIndex,
+) -> typing.Annotated[list[int], "FixedSize(4)"]:
+    """
+    The four words of Philox4x32-10 for one counter and key.
+    """
+
+def set_threads(threads: typing.SupportsInt | typing.SupportsIndex) -> None:
+    """
+    Number of threads of the next parallel regions.
+    """
+
+def thread_limit() -> int:
+    """
+    Number of threads that would be used now.
+    """
+
+__version__: str = "0.1.0"
