@@ -80,7 +80,7 @@ def _check_atoms(molecule: Molecule, field: Field, notes: Notes) -> None:
         where = place(field.path, atom.line)
         if atom.mass < 0.0:
             notes.warning(
-                f"negative mass {atom.mass:g} of {atom.name}: the absolute value is taken, as DL_POLY does", where
+                f"negative mass {atom.mass:g} of {atom.name}: its absolute value is taken, as in DL_POLY", where
             )
         if abs(atom.mass) < _MASSLESS and not atom.frozen and molecule.count:
             message = f"bead {atom.name} of molecule {molecule.name} has no mass ({atom.mass:g}) and is not frozen: "

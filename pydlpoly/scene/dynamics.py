@@ -124,7 +124,7 @@ def _threads(settings: Settings) -> int:
 
 
 def _force_cap(settings: Settings) -> float:
-    cap = settings.number("equilibration_force_cap")
+    cap = settings.number_if_given("equilibration_force_cap", 0.0)
     if cap < 0.0:
         raise settings.refusal("equilibration_force_cap", f"the largest force must not be negative, found {cap:g}")
     return cap

@@ -52,8 +52,7 @@ def resolve(
     """
     notes, settings = Notes(), Settings(control)
     for record in (control, field, config):
-        for warning in record.warnings:
-            notes.warning(warning, place(record.path, None))
+        _keep_warnings(record.path, record.warnings, notes)
     settings.refuse_unmodelled()
     settings.consumed.update(_FOLLOWED_BY_READERS)
     _refuse_unmodelled_blocks(field)
@@ -115,6 +114,16 @@ def resolve(
         notes=notes.all(),
         sources=tuple(sources) or (control.path, field.path, config.path),
     )
+
+
+def _keep_warnings(path: str, warnings: Iterable[str], notes: Notes) -> None:
+    """Take over what a reader noticed; its texts begin with the place, which a note has apart."""
+    for warning in warnings:
+        line, _, text = warning.removeprefix(f"{path}:").partition(": ")
+        if warning.startswith(f"{path}:") and line.isdigit():
+            notes.warning(text, place(path, int(line)))
+        else:
+            notes.warning(warning.removeprefix(f"{path}: "), place(path, None))
 
 
 def _wrapped(config: Configuration, cell: FloatArray, periodic: tuple[bool, bool, bool]) -> FloatArray:

@@ -72,6 +72,11 @@ class Settings:
         """Return a number in internal units."""
         return float(self._value(keyword))  # type: ignore[arg-type]  # the keyword table says it is a number
 
+    def number_if_given(self, keyword: str, otherwise: float) -> float:
+        """Return a number in internal units where the file gives it; the table's default may need what is not there."""
+        self.consumed.add(keyword)
+        return self.number(keyword) if self.given(keyword) else otherwise
+
     def steps(self, keyword: str) -> int:
         """Return a number of steps; times are divided by the timestep."""
         return int(self._value(keyword))  # type: ignore[arg-type]  # as above
@@ -102,9 +107,11 @@ class Settings:
         return value if isinstance(value, tuple) else (float(value),)
 
     def file_name(self, keyword: str) -> str | None:
-        """Return the name of an output file, or None for NONE: not written."""
+        """Return the name of an output file, None for NONE (not written), SCREEN in capitals however it is written."""
         name = self.text(keyword)
-        return None if name.upper() == "NONE" else name
+        if name.upper() in ("NONE", "SCREEN"):
+            return None if name.upper() == "NONE" else "SCREEN"
+        return name
 
     def where(self, keyword: str) -> str:
         """Return ``CONTROL:7``, or the file's name when the keyword has its default."""
