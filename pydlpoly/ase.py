@@ -428,6 +428,6 @@ def _check_same(scene: Scene, atoms: Atoms, names: NDArray[np.str_]) -> None:
     species = _in_source_order(scene, np.array(scene.species, dtype=np.str_)[scene.beads.species])
     for bead in np.nonzero(species != names)[0].tolist():
         raise SceneError(
-            f"bead {bead + 1} is {species[bead]} in the calculator's scene", path="atoms", word=names[bead]
+            f"bead {bead + 1} is {species[bead]} in the calculator's scene", path="atoms", word=str(names[bead])
         )
     _check_beads(scene, atoms, scene.source_order)
