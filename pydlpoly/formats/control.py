@@ -178,7 +178,7 @@ def write_control(control: Control) -> str:
     """
     if control.style == "old":
         return write_old(control)
-    title = " ".join(re.sub(r"[#!\r\n]", " ", control.title).split(" ")).strip()
+    title = re.sub(r"[#!\r\n]", " ", control.title).strip()
     lines = [f"title {title}".strip(), *(format_setting(setting) for setting in control)]
     return "\n".join(lines) + "\n"
 

@@ -192,8 +192,7 @@ def _integrator(line: Line) -> None:
 def _replay(line: Line) -> None:
     line.put("replay", True)
     line.take("hist")
-    if line.take("force"):
-        line.put("replay_calculate_forces", True)
+    line.put("replay_calculate_forces", line.take("force"))
 
 
 def _io(line: Line) -> None:
@@ -292,7 +291,8 @@ _BY_LENGTH = sorted((letters for letters in HANDLERS if len(letters) > 2 and let
 NAMES = (
     *(*NUMBERS, *SWITCHES, *SEQUENCES, *WITHOUT_EFFECT, "pressure", "variable", "delr", "rcut", "rpad", "no", "vdw"),
     *("ewald", "spme", "print", "shift", "reaction", "rdf", "analyse", "restart", "seed", "nfold", "minimise"),
-    *("optimise", "impact", "pseudo", "polarisation", "plumed", "metal", "integrator", "io", "ensemble", "finish"),
+    *("optimise", "replay", "impact", "pseudo", "polarisation", "plumed", "metal", "integrator", "io", "ensemble"),
+    "finish",
 )
 """All directives in full, for suggestions."""
 

@@ -67,7 +67,7 @@ class Line:
         """Step over the unit that the number has in any case; refuse another one, which DL_POLY would not honour."""
         implied = old_unit(keyword)
         word = UNIT_NAMES.get(self.peek(), self.words[self.position] if self.peek() else "")
-        unit = _try_unit(word)
+        unit = parse_unit(implied) if implied and word.lower() == implied.lower() else _try_unit(word)
         if unit is None or implied is None or (self.peek() in FILLERS and self.peek() not in ("steps", "step")):
             return
         if unit != parse_unit(implied):

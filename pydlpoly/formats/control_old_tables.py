@@ -51,7 +51,6 @@ SWITCHES: dict[str, tuple[tuple[str, SettingValue], ...]] = {
     "l_rout": (("io_write_ascii_revive", True),),
     "l_rin": (("io_read_ascii_revold", True),),
     "l_fast": (("unsafe_comms", True),),
-    "replay": (("replay", True),),
 }
 """Directives without a number and the settings they stand for."""
 

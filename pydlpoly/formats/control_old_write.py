@@ -260,6 +260,14 @@ def _print(name: str) -> Special:
     return write
 
 
+def _replay(writer: _Writer, value: SettingValue) -> str | None:
+    if not value:
+        return None
+    del writer.left["replay"]
+    forces = writer.left.pop("replay_calculate_forces", None)
+    return "replay history" + (" force" if forces is None or forces.value else "")
+
+
 def _seed(writer: _Writer, value: SettingValue) -> str:
     if isinstance(value, tuple) and len(value) != 3:
         raise InputError("a single seed has no form in the old style, which takes three", path=writer.control.path)
@@ -309,6 +317,7 @@ _SPECIAL: dict[str, Special] = {
     "pressure_hydrostatic": _numbers("pressure_hydrostatic", "pressure"),
     "pressure_tensor": _numbers("pressure_tensor", "pressure tensor"),
     "random_seed": _seed,
+    "replay": _replay,
     "nfold": _numbers("nfold", "nfold"),
 }
 """Writers of the lines that fit into no table, by the keyword they begin at."""
