@@ -58,6 +58,8 @@ ENERGY = VELOCITY**2
 _AGREEMENT = 1e-6
 # A bead on a face of the cell that rounding puts just outside of it stays where it is (fraction of a cell vector).
 _ON_FACE = 1e-12
+# Below this, waiting for a second thread costs more than it saves in one evaluation of the forces.
+_FEW_BEADS = 1000
 # What a mapping may leave out: ``Simulation.run`` is told the length of a run, and a calculator moves nothing.
 _SETTINGS = {"time_run": "0 steps"}
 _CALCULATOR_SETTINGS = {"ensemble": "nve", "timestep": "1 fs", "temperature": "0 K"}
@@ -177,7 +179,7 @@ def _control(control: ControlLike) -> Control:
 def _start(control: Control, config: Configuration) -> tuple[Control, tuple[Note, ...]]:
     """Let velocities that are there be taken where CONTROL does not say otherwise."""
     given = control.get("restart")
-    if config.velocities is None:
+    if config.velocities is None or not config.velocities.any():  # ASE's way of saying that there are none
         return control, ()
     if given is None:
         note = Note("choice", "no restart is given: the velocities of atoms are taken (noscale)", "atoms")
@@ -201,9 +203,9 @@ def _oddities(atoms: Atoms, scene: Scene, order: IntArray | None) -> list[Note]:
 
 
 def _configuration(atoms: Atoms, names: NDArray[np.str_], order: IntArray | None) -> Configuration:
-    """Return the record of what ``atoms`` holds, in the scene's order; velocities that are all zero are none."""
+    """Return the record of what ``atoms`` holds, in the scene's order."""
     velocities = None
-    if atoms.has("momenta") and atoms.get_momenta().any():
+    if atoms.has("momenta"):
         velocities = _sorted(np.asarray(atoms.get_velocities(), dtype=np.float64), order) / VELOCITY
     cell = np.array(atoms.cell.array, dtype=np.float64)
     imcon = _imcon(cell, tuple(bool(x) for x in atoms.pbc))
@@ -335,7 +337,7 @@ class Calculator(AseCalculator):
         scene: what is modelled; ``atoms`` may then change positions and cell, but not beads and periodicity.
         field, control, pairs, units: in place of ``scene``, what ``scene_from_atoms`` needs to make it from the atoms.
             A ``control`` that is a mapping needs only a ``cutoff``: nothing moves.
-        threads: number of threads (default: the scene's, else all processors).
+        threads: number of threads (default: the scene's, else one for few beads, else all processors).
 
     Raises:
         SceneError: both or neither of ``scene`` and ``control`` are given; later, when the atoms make no scene, or the
@@ -385,7 +387,8 @@ class Calculator(AseCalculator):
             message = "stress needs a system that is periodic along all three axes: without that it has no volume"
             raise PropertyNotImplementedError(message)
         scene = self._scene_of(self.atoms, system_changes)
-        point = single_point(scene, threads=self._threads)
+        few = 1 if scene.bead_count < _FEW_BEADS else None
+        point = single_point(scene, threads=self._threads or scene.run.threads or few)
         energy = point.energy["total"] * ENERGY
         self.results = {
             "energy": energy,

@@ -369,7 +369,7 @@ def test_ases_dynamics_conserve_energy_and_agree_with_the_engine():
     atoms.calc = Calculator(scene)
     before, kinetic = atoms.get_total_energy(), atoms.get_kinetic_energy()
     VelocityVerlet(atoms, timestep=0.2 * units.fs).run(150)
-    simulation = pydlpoly.Simulation(scene)
+    simulation = pydlpoly.Simulation(scene, threads=1)
     simulation.run(150)
     ours = atoms_from_state(scene, simulation.state)
     assert abs(atoms.get_kinetic_energy() - kinetic) > 0.01 * kinetic
@@ -388,7 +388,7 @@ def test_dpd_water_made_from_atoms_runs_at_its_temperature():
     }
     scene = scene_from_atoms(atoms, pairs={("W", "W"): ("dpd", 25.0, 1.0, 4.5)}, units="dpd", control=control)
     assert scene.title == "water"
-    simulation = pydlpoly.Simulation(scene)
+    simulation = pydlpoly.Simulation(scene, threads=1)
     simulation.run(200)
     temperatures = []
     for _ in range(60):
@@ -582,6 +582,12 @@ def test_what_is_not_taken_is_said():
     scene = soft_scene(moving, {**NVE, "restart": "clean"})
     assert ("ignored", "restart clean: the velocities of atoms are replaced by drawn ones") in notes(scene)
     assert scene.beads.velocities is None
+    resting = soft_fluid(velocities=False)
+    resting.set_velocities(np.zeros((60, 3)))
+    assert soft_scene(resting).run.start == "clean"
+    scene = soft_scene(resting, RESTING)
+    assert scene.run.start == "noscale"
+    assert not scene.beads.velocities.any()
     light = named(["B", "B", "A", "A"])
     light.set_velocities(np.ones((4, 3)))
     text = "ASE's masses of the elements are not those of FIELD: velocities, not momenta, are taken"
