@@ -40,9 +40,8 @@ def read_ensemble(line: Line) -> None:
     known = {
         key: key for key, (name, _, _) in _PAIRS.items() if (name in _WITH_BAROSTAT if barostat else name != "mtk")
     }
-    if not barostat:
-        known = {**known, **dict.fromkeys(("dpds1", "dpds2", "mdvv"), "")}  # for the message
-    method, alone, with_barostat = _PAIRS[line.choose(f"method of {ensemble}", known)]
+    dpd = () if barostat else ("dpds1", "dpds2", "mdvv")
+    method, alone, with_barostat = _PAIRS[line.choose(f"method of {ensemble}", known, dpd)]
     line.put("ensemble_method", method)
     for keyword in alone + (with_barostat if barostat else ()):
         line.put_number(keyword)

@@ -102,16 +102,17 @@ class Line:
         """Note something that the user should know."""
         self.reading.warnings.append(f"{self.reading.path}:{self.number}: {text}")
 
-    def choose(self, what: str, words: dict[str, str]) -> str:
-        """Take a word that begins with one of the keys and return the key's value."""
+    def choose(self, what: str, words: dict[str, str], also: tuple[str, ...] = ()) -> str:
+        """Take a word that begins with one of the keys and return the key's value; ``also`` is for the message."""
         word = self.peek()
         for prefix, value in words.items():
             if word.startswith(prefix):
                 self.position += 1
                 return value
+        known = (*words, *also)
         if not word:
-            raise self.error(f"a word is missing: {what} takes {', '.join(words)}")
-        raise self.error(f"is no {what}; known are {', '.join(words)}{suggest(word, words)}", self.words[self.position])
+            raise self.error(f"a word is missing: {what} takes {', '.join(known)}")
+        raise self.error(f"is no {what}; known are {', '.join(known)}{suggest(word, known)}", self.words[self.position])
 
 
 def _fraction(word: str) -> int | float | None:

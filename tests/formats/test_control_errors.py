@@ -218,6 +218,11 @@ OLD_STYLE = [
         "dpds1, dpds2, mdvv; did you mean hoover?",
     ),
     (
+        "ensemble nvt dpds10 4.5",
+        "CONTROL:2: 'dpds10': is no method of nvt; known are evans, lang, ander, ber, hoover, nose, gst, gentle, "
+        "dpds1, dpds2, mdvv; did you mean dpds1, dpds2?",
+    ),
+    (
         "ensemble nvt dpd s3",
         "CONTROL:2: 's3': dpd must be followed by s1, s2 or mdvv",
     ),
