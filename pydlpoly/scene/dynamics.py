@@ -143,7 +143,12 @@ def _start(settings: Settings, config: Configuration, notes: Notes) -> Start:
             where,
         )
         return "clean"
-    if start == "rescale" and config.velocities is not None and not config.velocities.any():
+    at_rest = config.velocities is not None and not config.velocities.any()
+    if start == "noscale" and at_rest:
+        notes.choice(
+            "restart noscale from velocities that are all 0: the beads start at rest; DL_POLY draws them", where
+        )
+    if start == "rescale" and at_rest:
         notes.warning(
             "restart rescale cannot scale velocities that are all 0: they are drawn as for restart clean", where
         )

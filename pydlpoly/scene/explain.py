@@ -210,8 +210,9 @@ def _external(scene: Scene) -> list[str]:
 
 def _run(scene: Scene) -> list[str]:
     run, word = scene.run, _Words(scene)
-    length = run.steps * scene.dynamics.timestep
-    lines = [f"{run.steps} {'step' if run.steps == 1 else 'steps'}, {length:g}{word.time or ' time units'} in all"]
+    length = f"{run.steps * scene.dynamics.timestep:g}"
+    length = f"{length}{word.time}" if word.time else f"time {length}"
+    lines = [f"{run.steps} {'step' if run.steps == 1 else 'steps'}, {length} in all"]
     if run.equilibration_steps:
         averages = "from step 1 on" if run.record_equilibration else "after it"
         lines.append(f"equilibration: the first {run.equilibration_steps} steps; averages are taken {averages}")

@@ -249,12 +249,16 @@ class PairTableBuilder:
             text += "; no two beads of this kind"
         if drag is None:
             return replace(term, explanation=text)
+        noise = math.sqrt(2.0 * drag.value * rules.thermal_energy)
+        if not math.isfinite(noise):
+            message = f"the drag {drag.value:g} of {self._name(pair)} is too large: its noise is not finite"
+            raise SceneError(message, path=self._field.path)
         cutoff = rules.global_drag_cutoff or drag.cutoff or self._law_end(entry)
         return replace(
             term,
             drag=drag.value,
             drag_cutoff=cutoff if drag.value > 0.0 else 0.0,
-            noise=math.sqrt(2.0 * drag.value * rules.thermal_energy),
+            noise=noise,
             drag_origin=drag.origin,
             explanation=f"{text}; drag {drag.text}",
         )

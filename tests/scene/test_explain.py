@@ -190,7 +190,7 @@ def test_run(make):
         "threads": "2",
     }
     assert sections(make(control=control).scene())["Run"] == [
-        "100 steps, 1 time units in all",
+        "100 steps, time 1 in all",
         "equilibration: the first 20 steps; averages are taken after it",
         "  velocities are scaled to the temperature every step of it",
         "  velocities are drawn anew every 5 steps of it",

@@ -187,6 +187,13 @@ def test_mixed_drag_does_not_inherit_drag_cutoffs(make):
     assert any("drag cutoffs of the like pairs are not" in text for text in texts(scene, "warning"))
 
 
+def test_rules_without_anything_to_do_are_noted(make):
+    scene = make(control={**LB, "ensemble_dpd_drag": "2.0 Da/ps"}).scene()
+    assert "vdw_mix_method lorentz-berthelot has nothing to mix" in texts(scene, "ignored")
+    assert "ensemble_dpd_drag has no pair to fill: every pair has a drag of its own" in texts(scene, "ignored")
+    assert not [n for n in texts(make(vdw=LIKE, control=LB).scene(), "ignored") if "nothing to mix" in n]
+
+
 def test_padding_zeros_are_harmless(make):
     scene = make(vdw=[f"{line} 0.0 0.0" for line in make().vdw]).scene()
     assert [term.drag_cutoff for term in scene.pairs] == [1.0, 1.0, 1.0]

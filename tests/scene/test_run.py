@@ -106,6 +106,8 @@ def test_beads_at_rest_may_start_at_rest(make):
     scene = make(control={"restart": "noscale"}, velocities=[[0, 0, 0]] * 6).scene()
     assert scene.run.start == "noscale"
     assert not scene.beads.velocities.any()
+    note = "restart noscale from velocities that are all 0: the beads start at rest; DL_POLY draws them"
+    assert note in texts(scene, "choice")
 
 
 def test_continuing_needs_no_velocities_in_the_file(make):

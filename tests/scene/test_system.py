@@ -59,6 +59,11 @@ def test_reduced_reports_for_fields_in_other_units(make):
     assert any(text.startswith("io_units_scheme dpd: FIELD's numbers are in kJ/mol") for text in texts(scene, "choice"))
 
 
+def test_reduced_reports_alone_do_not_make_kelvin_odd(make):
+    control = {"io_units_scheme": "dpd", "temperature": "300.0 K"}
+    assert not [n for n in texts(make(units="kJ", control=control).scene(), "warning") if "temperature" in n]
+
+
 def test_species_are_numbered_by_first_appearance_even_without_beads(make):
     vdw = ("A A dpd 25.0 1.0 4.5",)
     scene = make(atoms=("C 1.0", "A 1.0", "B 1.0"), counts=(0, 5, 0), vdw=vdw).scene()
