@@ -6,7 +6,6 @@ from pydlpoly.formats.keywords import KEYWORDS
 from pydlpoly.formats.records import SettingValue
 
 NUMBERS: dict[str, tuple[str, str, float | None]] = {
-    # directive as it is written: keyword, and the number where there may be none
     "temperature": ("temp", "temperature", None),
     "timestep": ("timestep", "timestep", None),
     "mindis": ("mindis", "timestep_variable_min_dist", None),
