@@ -12,7 +12,10 @@ from pydlpoly.scene.model import Dynamics, ExternalTerm, RunPlan, Start
 from pydlpoly.scene.settings import Notes, Settings, place
 from pydlpoly.units import BOLTZMANN
 
-_AVAILABLE = "available are ensemble nve, and ensemble nvt with ensemble_method dpd and ensemble_dpd_order mdvv"
+_AVAILABLE = {
+    "new": "available are ensemble nve, and ensemble nvt with ensemble_method dpd and ensemble_dpd_order mdvv",
+    "old": "available are ensemble nve and ensemble nvt mdvv",
+}
 
 
 def resolve_dynamics(settings: Settings, reduced: bool, notes: Notes) -> Dynamics:
@@ -61,19 +64,19 @@ def _is_dpd(settings: Settings) -> bool:
     ensemble = settings.word("ensemble")
     if ensemble == "nve":
         return False
-    method = settings.word("ensemble_method")
+    available, method = _AVAILABLE[settings.style], settings.word("ensemble_method")
     if ensemble != "nvt" or method not in ("", "dpd"):
         keyword = "ensemble" if ensemble != "nvt" else "ensemble_method"
         name = f"ensemble {ensemble} {method}".strip()
-        raise settings.refusal(keyword, f"{name} is not modelled; {_AVAILABLE}")
+        raise settings.refusal(keyword, f"{name} is not modelled; {available}")
     if method == "":
-        raise settings.refusal("ensemble", f"ensemble nvt needs a thermostat; {_AVAILABLE}")
+        raise settings.refusal("ensemble", f"ensemble nvt needs a thermostat; {available}")
     order = settings.word("ensemble_dpd_order")
     if order == "off":
         keyword = "ensemble_dpd_order" if settings.given("ensemble_dpd_order") else "ensemble_method"
-        raise settings.refusal(keyword, f"the DPD thermostat needs ensemble_dpd_order; {_AVAILABLE}")
+        raise settings.refusal(keyword, f"the DPD thermostat needs ensemble_dpd_order; {available}")
     if order != "mdvv":
-        message = f"the DPD thermostat with ensemble_dpd_order {order} is not modelled; {_AVAILABLE}"
+        message = f"the DPD thermostat with ensemble_dpd_order {order} is not modelled; {available}"
         raise settings.refusal("ensemble_dpd_order", message)
     return True
 

@@ -101,7 +101,11 @@ def resolve(
 
 
 def _beads(layout: Layout, positions: FloatArray, velocities: FloatArray | None) -> Beads:
-    return Beads(layout.species, layout.mass, layout.charge, layout.frozen, layout.molecule, positions, velocities)
+    arrays = (layout.species, layout.mass, layout.charge, layout.frozen, layout.molecule, positions)
+    for array in (*arrays, velocities):
+        if array is not None:
+            array.setflags(write=False)  # a scene is immutable
+    return Beads(*arrays, velocities)
 
 
 def _keep_warnings(path: str, warnings: Iterable[str], notes: Notes) -> None:

@@ -57,7 +57,7 @@ class Settings:
     def __init__(self, control: Control) -> None:
         """Take the record of a CONTROL file."""
         self._control = control
-        self.path = control.path
+        self.path, self.style = control.path, control.style
         self.consumed: set[str] = set()
 
     def setting(self, keyword: str) -> Setting | None:

@@ -5,6 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from pydlpoly.errors import SceneError
+from pydlpoly.formats.config import parse_config
+from pydlpoly.formats.control import parse_control
+from pydlpoly.formats.field import parse_field
+from pydlpoly.scene import resolve
 from pydlpoly.scene.dynamics import combine_seed
 
 NVE = {"ensemble": "nve", "ensemble_method": None, "ensemble_dpd_order": None}
@@ -129,6 +134,38 @@ def test_velocities_of_frozen_beads_are_set_to_zero(make, drifting):
     assert scene.beads.velocities[:4].tolist() == drifting[:4]
     assert not scene.beads.velocities[4:].any()
     assert "the velocities that the file gives to frozen beads are set to 0" in texts(scene, "choice")
+
+
+@pytest.mark.parametrize("ensemble", ["nvt dpds1 4.5", "nvt hoover 1.0"])
+def test_old_style_files_are_told_what_is_available_in_their_own_words(make, ensemble):
+    case = make()
+    control = parse_control(f"old\ntemperature 1.0\ntimestep 0.01\nsteps 10\ncutoff 1.0\nensemble {ensemble}\nfinish\n")
+    with pytest.raises(SceneError, match=r"^CONTROL:6: .*; available are ensemble nve and ensemble nvt mdvv$"):
+        resolve(control, parse_field(case.field_text()), parse_config(case.config_text()))
+
+
+def test_old_style_drag_fills_pairs(make):
+    case = make(vdw=("A A dpd 25.0 1.0 4.5", "A B dpd 25.0 1.0"))
+    control = parse_control(
+        "old\ntemperature 1.0\ntimestep 0.01\nsteps 10\ncutoff 1.0\nensemble nvt mdvv 2.0\nfinish\n"
+    )
+    scene = resolve(control, parse_field(case.field_text()), parse_config(case.config_text()))
+    assert [(term.drag, term.drag_origin) for term in scene.pairs] == [
+        (4.5, "given"),
+        (2.0, "filled"),
+        (2.0, "filled"),
+    ]
+    assert any("DL_POLY up to 5.2 lets it replace FIELD's drags" in text for text in texts(scene, "choice"))
+    assert any(text.startswith("units dpd, but the temperature is in K: 1 K is") for text in texts(scene, "warning"))
+
+
+def test_arrays_of_a_scene_cannot_be_changed(make, drifting):
+    beads = make(control={"restart": "noscale"}, velocities=drifting).scene().beads
+    for array in (beads.species, beads.mass, beads.charge, beads.frozen, beads.molecule, beads.positions):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+    with pytest.raises(ValueError, match="read-only"):
+        beads.velocities[0, 0] = 0.0
 
 
 def test_seed(make):
