@@ -137,6 +137,7 @@ class System:
         reach: typing.SupportsFloat | typing.SupportsIndex,
         bins: typing.SupportsInt | typing.SupportsIndex,
         every: typing.SupportsInt | typing.SupportsIndex,
+        after: typing.SupportsInt | typing.SupportsIndex = 0,
     ) -> None: ...
     def initialise(self) -> None:
         """
@@ -156,6 +157,10 @@ class System:
     def set_cell_width(self, width: typing.SupportsFloat | typing.SupportsIndex) -> None:
         """
         Link cells of at least this width instead of one range; never changes results.
+        """
+    def wrap(self) -> None:
+        """
+        Brings positions that were set back into the cell, counting the cells they cross.
         """
     @property
     def cell_counts(self) -> typing.Annotated[list[int], "FixedSize(3)"]: ...

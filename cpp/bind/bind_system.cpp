@@ -215,6 +215,18 @@ void bind_system(py::module_& m) {
                 require(value.rows() == s.state.particles.count(), "images must be of shape (N, 3)");
                 s.state.particles.image = value;
             })
+        .def(
+            "wrap",
+            [](System& s) {
+                for (Eigen::Index i = 0; i < s.state.particles.count(); ++i) {
+                    Vector3 position = s.state.particles.position.row(i).transpose();
+                    require(s.state.box.wrap(position, s.state.particles.image.row(i).data()),
+                            "a position is too far outside the cell");
+                    s.state.particles.position.row(i) = position.transpose();
+                }
+                s.ready = false;
+            },
+            "Brings positions that were set back into the cell, counting the cells they cross.")
         .def_property_readonly("volume", [](const System& s) { return s.state.box.volume(); })
         .def_property_readonly("pair_energy", [](const System& s) { return s.totals.energy; })
         .def_property_readonly("conservative_virial_tensor", [](const System& s) { return s.totals.conservative; })
@@ -223,7 +235,8 @@ void bind_system(py::module_& m) {
         .def_property_readonly("kinetic_tensor", [](const System& s) { return kinetic_tensor(s.state.particles); })
         .def_property_readonly("momentum", [](const System& s) { return momentum(s.state.particles); })
         .def_property_readonly("cell_counts", [](System& s) { return s.forces.pairs().cells().counts(); })
-        .def("enable_distances", &System::enable_distances, py::arg("reach"), py::arg("bins"), py::arg("every"))
+        .def("enable_distances", &System::enable_distances, py::arg("reach"), py::arg("bins"), py::arg("every"),
+             py::arg("after") = 0)
         .def("distance_counts", &distance_counts)
         .def_property_readonly("distance_samples",
                                [](const System& s) { return s.distances ? s.distances->samples() : 0; })

@@ -19,7 +19,7 @@ void System::run(std::uint64_t steps) {
     }
     for (std::uint64_t k = 0; k < steps; ++k) {
         integrator_.step(state, forces, settings, k + 1 == steps, totals);
-        if (distances && distances_every > 0 && state.step % distances_every == 0) {
+        if (distances && distances_every > 0 && state.step > distances_after && state.step % distances_every == 0) {
             distances->sample(state.box, state.particles);
         }
     }
@@ -35,9 +35,10 @@ PairTotals System::conservative_totals() {
     return result;
 }
 
-void System::enable_distances(double range, std::int32_t bins, std::uint64_t every) {
+void System::enable_distances(double range, std::int32_t bins, std::uint64_t every, std::uint64_t after) {
     distances.emplace(forces.pairs().table().species(), range, bins);
     distances_every = every;
+    distances_after = after;
 }
 
 }  // namespace dlpoly
