@@ -1,15 +1,16 @@
 """Simulations: a scene, an engine that steps it, and reporters that are shown its state in the steps they ask for.
 
 The simulation owns no physics. It steps in chunks that end where a reporter is due, which is also what lets Ctrl-C act
-between steps and keeps the cost of observing to the steps that are reported.
+between steps and keeps the cost of observing to the steps that are reported. An interrupt takes effect after the
+reporters of its step: whatever is saved then can be continued without a record missing or written twice.
 """
 
 from __future__ import annotations
 
 import secrets
 import time as clock
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
@@ -20,6 +21,8 @@ from pydlpoly.engines.native import NativeEngine, Totals, default_threads
 from pydlpoly.errors import InputError, RunError, SceneError
 from pydlpoly.formats.checkpoint import read_checkpoint, write_checkpoint
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.interrupts import deferred_signals
+from pydlpoly.scene.continuation import check_continues
 from pydlpoly.scene.model import Scene
 from pydlpoly.scene.serialise import scene_from_arrays, scene_to_arrays
 
@@ -149,10 +152,12 @@ class Simulation:
         self._engine.start(scene)
         self.start_positions: FloatArray = np.asarray(self._engine.system.positions)
         self._rate = 0.0
+        self._interrupted = False
         self._reporter_state: dict[str, NDArray[Any]] = {}
         output = scene.output
         if output.rdf_every > 0:
-            self._engine.system.enable_distances(scene.cutoff, self.rdf_bins, output.rdf_every)
+            after = 0 if scene.run.record_equilibration else scene.run.equilibration_steps
+            self._engine.system.enable_distances(scene.cutoff, self.rdf_bins, output.rdf_every, after)
 
     # Running
 
@@ -163,31 +168,57 @@ class Simulation:
             steps: number of steps, 0 or more.
             progress: show a progress bar on the terminal.
 
+        The reporters are asked for their first steps here, and then for the next one after each report.
+
         Raises:
             RunError: a force or position stopped being finite; the state is that of the failing step.
-            KeyboardInterrupt: Ctrl-C; the running chunk (some tenths of a second) is finished first.
+            KeyboardInterrupt: Ctrl-C, or ``interrupt`` was called; the running chunk (some tenths of a second) is
+                finished and its reporters are called first. A second Ctrl-C a second later does not wait.
+            ValueError: a reporter asks for a step that is not later than the present one.
         """
         if steps < 0:
             raise RunError(f"the number of steps must not be negative, not {steps}")
         last = self.step + steps
-        if progress:
-            from pydlpoly.progress import progress_reporter  # only a terminal needs it
+        try:
+            with deferred_signals(self.interrupt):
+                if progress:
+                    from pydlpoly.progress import progress_bar  # only a terminal needs it
 
-            with progress_reporter(self, last) as bar:
-                self._run_to(last, [*self.reporters, bar])
-        else:
-            self._run_to(last, self.reporters)
+                    with progress_bar(self, last) as show:
+                        self._run_to(last, show)
+                else:
+                    self._run_to(last, None)
+        finally:
+            interrupted, self._interrupted = self._interrupted, False
+        if interrupted:
+            raise KeyboardInterrupt
 
-    def _run_to(self, last: int, reporters: Sequence[Reporter]) -> None:
+    def interrupt(self) -> None:
+        """Have the run under way end with KeyboardInterrupt after its present chunk and the reporters due there.
+
+        May be called by a reporter, a signal handler or another thread.
+        """
+        self._interrupted = True
+
+    def _run_to(self, last: int, show: Callable[[], None] | None) -> None:
+        due = [(reporter, self._next_step(reporter)) for reporter in self.reporters]
         while self.step < last:
-            step = self.step
-            due = [n for n in (r.next_step(step) for r in reporters) if n is not None]
-            stop = min([last, *due])
-            self._advance(min(stop - step, self._chunk()))
-            if self.step in due:
-                for reporter in reporters:
-                    if reporter.next_step(step) == self.step:
-                        reporter.report(self)
+            stop = min([last, *(step for _, step in due if step is not None)])
+            self._advance(min(stop - self.step, self._chunk()))
+            for k, (reporter, step) in enumerate(due):
+                if step == self.step:
+                    reporter.report(self)
+                    due[k] = reporter, self._next_step(reporter)
+            if show is not None:
+                show()
+            if self._interrupted:
+                return
+
+    def _next_step(self, reporter: Reporter) -> int | None:
+        step = reporter.next_step(self.step)
+        if step is not None and step <= self.step:
+            raise ValueError(f"{reporter!r} asks for step {step}, but the run is at step {self.step} already")
+        return step
 
     def _chunk(self) -> int:
         return max(1, int(self._rate * _SECONDS_PER_CHUNK)) if self._rate > 0.0 else 1
@@ -232,12 +263,19 @@ class Simulation:
     def set_state(self, *, positions: FloatArray | None = None, velocities: FloatArray | None = None) -> None:
         """Replace positions and/or velocities, (N, 3) each, and recompute the forces.
 
+        Positions outside the cell are wrapped into it, and the crossed cells are counted in ``State.images``.
+
         Raises:
             ValueError: an array has another shape or is not finite.
         """
         system = self._engine.system
+        shape = (self.scene.bead_count, 3)
+        for name, array in (("positions", positions), ("velocities", velocities)):
+            if array is not None and (np.shape(array) != shape or not np.isfinite(array).all()):
+                raise ValueError(f"{name} must be finite and of shape {shape}")
         if positions is not None:
             system.positions = positions
+            system.wrap()
         if velocities is not None:
             system.velocities = np.where(self.scene.beads.frozen[:, None], 0.0, velocities)
         self._observation = None
@@ -307,8 +345,8 @@ class Simulation:
 
         Args:
             path: a file written by ``save``.
-            scene: go on with this scene (its run length, outputs, temperature, …) in place of the stored one; its beads
-                must be the stored ones.
+            scene: go on with this scene (its run length, outputs, temperature, …) in place of the stored one; its cell
+                and its beads (species, masses, charges, which are frozen) must be the stored ones.
             threads: number of threads; results do not depend on it.
 
         Raises:
@@ -318,11 +356,16 @@ class Simulation:
         try:
             stored = scene_from_arrays(arrays, meta["scene"])
             chosen = stored if scene is None else scene
-            _check_same_beads(stored, chosen, str(path))
-            simulation = cls(chosen, threads=threads, seed=int(meta["seed"]))
+            check_continues(stored, chosen, str(path))
+            # A cell that went through REVCON has lost its last digits.
+            simulation = cls(replace(chosen, cell=stored.cell), threads=threads, seed=int(meta["seed"]))
             simulation._restore(arrays, meta)
+        except InputError as error:
+            raise InputError(error.message, path=error.path or str(path), line=error.line, word=error.word) from error
         except KeyError as error:
             raise InputError(f"the checkpoint lacks {error}", path=str(path)) from error
+        except (TypeError, ValueError) as error:
+            raise InputError(f"the checkpoint does not fit this version or scene: {error}", path=str(path)) from error
         return simulation
 
     def _restore(self, arrays: dict[str, NDArray[Any]], meta: dict[str, Any]) -> None:
@@ -344,15 +387,6 @@ class Simulation:
         """Return what the reporter of this name had saved in the checkpoint; empty when there is nothing."""
         prefix = f"{name}."
         return {k[len(prefix) :]: v for k, v in self._reporter_state.items() if k.startswith(prefix)}
-
-
-def _check_same_beads(stored: Scene, scene: Scene, path: str) -> None:
-    if stored.bead_count != scene.bead_count:
-        raise InputError(
-            f"holds {stored.bead_count} beads, but the scene to go on with has {scene.bead_count}", path=path
-        )
-    if stored.species != scene.species or not np.array_equal(stored.beads.species, scene.beads.species):
-        raise InputError("holds other species than the scene to go on with", path=path)
 
 
 def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Observation:

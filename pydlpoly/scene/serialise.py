@@ -38,7 +38,7 @@ def scene_from_arrays(arrays: dict[str, NDArray[Any]], data: dict[str, Any]) -> 
     """Return the scene that ``scene_to_arrays`` took apart. Raises InputError when the data are not a scene."""
     try:
         scene = _decode(data, arrays)
-    except (KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise InputError(f"the checkpoint holds a scene of another version of pydlpoly ({error})") from error
     if not isinstance(scene, model.Scene):
         raise InputError("the checkpoint holds no scene")

@@ -1,0 +1,52 @@
+"""Whether a run may be continued with another scene: what a checkpoint fixes, and what may change."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pydlpoly.errors import InputError
+from pydlpoly.scene.model import Scene
+
+_CELL_TOLERANCE = 1e-8  # relative; a cell that went through REVCON has ten decimals
+
+
+def check_continues(stored: Scene, scene: Scene, path: str) -> None:
+    """Check that a checkpoint of ``stored`` can go on as ``scene``; temperature, laws, timestep, outputs may differ.
+
+    Args:
+        stored: the scene in the checkpoint.
+        scene: the scene to go on with.
+        path: the checkpoint, for the message.
+
+    Raises:
+        InputError: other beads (number, species, masses, charges, which are frozen), another cell, or other bins of a
+            radial distribution that both collect.
+    """
+    if stored.bead_count != scene.bead_count:
+        raise InputError(
+            f"holds {stored.bead_count} beads, but the scene to go on with has {scene.bead_count}", path=path
+        )
+    if stored.species != scene.species or not np.array_equal(stored.beads.species, scene.beads.species):
+        raise InputError("holds other species than the scene to go on with", path=path)
+    words = {"mass": "other masses", "charge": "other charges", "frozen": "other frozen beads"}
+    for name, what in words.items():
+        if not np.array_equal(getattr(stored.beads, name), getattr(scene.beads, name)):
+            raise InputError(f"holds {what} than the scene to go on with", path=path)
+    # The extent of an open axis follows the beads; only periodic axes are part of the scene's identity.
+    rows = list(stored.periodic)
+    tolerance = _CELL_TOLERANCE * float(np.abs(stored.cell).max())
+    if stored.imcon != scene.imcon or (np.abs(stored.cell - scene.cell)[rows] > tolerance).any():
+        raise InputError("holds another cell than the scene to go on with", path=path)
+    _check_bins(stored, scene, path)
+
+
+def _check_bins(stored: Scene, scene: Scene, path: str) -> None:
+    if stored.output.rdf_every == 0 or scene.output.rdf_every == 0:
+        return
+    was, now = ((s.cutoff, s.output.rdf_bin_width) for s in (stored, scene))
+    if was != now:
+        raise InputError(
+            f"has collected the radial distribution to {was[0]:g} ang in bins of {was[1]:g} ang, but the scene to go "
+            f"on with asks for {now[0]:g} ang in bins of {now[1]:g} ang; keep both, or switch rdf_calculate off",
+            path=path,
+        )
