@@ -1,12 +1,15 @@
 """The command line: ``pydlpoly run | check | explain | convert``.
 
 Exit codes: 0 done, 1 the input was refused, 2 wrong usage, 3 the run stopped being physical, 130 interrupted by Ctrl-C
-(after writing the checkpoint).
+or SIGTERM (after writing the checkpoint).
 """
 
 from __future__ import annotations
 
+import io
+import shlex
 import sys
+from collections.abc import Mapping
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
@@ -15,6 +18,7 @@ from typing import Annotated, NoReturn
 import typer
 
 from pydlpoly import __version__
+from pydlpoly.engines.native import NativeEngine
 from pydlpoly.errors import InputError, PydlpolyError, RunError, suggest
 from pydlpoly.formats.atomic import replace_file
 from pydlpoly.formats.control import read_control, write_control
@@ -22,6 +26,7 @@ from pydlpoly.runner import RunResult, run_scene
 from pydlpoly.scene import Scene, load
 
 EXIT_REFUSED, EXIT_USAGE, EXIT_STOPPED, EXIT_INTERRUPTED = 1, 2, 3, 130
+_MOST_THREADS = 1024
 
 app = typer.Typer(
     add_completion=False, no_args_is_help=True, help="Dissipative particle dynamics from DL_POLY-format files."
@@ -59,8 +64,10 @@ def run(
     field: FieldFile = None,
     config: ConfigFile = None,
     steps: Annotated[int | None, typer.Option(min=0, help="Total number of steps in place of CONTROL's.")] = None,
-    threads: Annotated[int | None, typer.Option(min=1, help="Threads; results do not depend on it.")] = None,
-    seed: Annotated[int | None, typer.Option(min=0, help="Seed of noise and start velocities.")] = None,
+    threads: Annotated[
+        int | None, typer.Option(min=1, max=_MOST_THREADS, help="Threads; results do not depend on it.")
+    ] = None,
+    seed: Annotated[int | None, typer.Option(min=0, max=2**64 - 1, help="Seed of noise and start velocities.")] = None,
     output: Annotated[
         Path | None,
         typer.Option(help="Folder for the output files (default: DIRECTORY; for examples the current one)."),
@@ -72,25 +79,24 @@ def run(
     lenient: Lenient = False,
 ) -> None:
     """Run a simulation and write OUTPUT, STATIS, HISTORY, RDFDAT, REVCON and the checkpoint."""
-    scene, folder = _scene(directory, example, control, field, config, lenient=lenient)
-    target = output if output is not None else folder if example is None else Path()
-    result = run_scene(
-        scene,
-        target,
-        steps=steps,
-        threads=threads,
-        seed=seed,
-        checkpoint=_checkpoint(scene, folder, target, resume=resume),
-        progress=not quiet,
-    )
+    if resume and seed is not None:
+        raise typer.BadParameter("a run that continues keeps the seed of its checkpoint", param_hint="--seed")
+    try:
+        scene, folder = _scene(directory, example, control, field, config, lenient=lenient)
+        target = output if output is not None else folder if example is None else Path()
+        checkpoint = _checkpoint(scene, folder, target, resume=resume)
+        result = run_scene(
+            scene, target, steps=steps, threads=threads, seed=seed, checkpoint=checkpoint, progress=not quiet
+        )
+    except KeyboardInterrupt:  # before the first step, or for the second time
+        typer.echo("pydlpoly: interrupted at once; files keep what was written before", err=True)
+        raise typer.Exit(EXIT_INTERRUPTED) from None
     if not quiet:
         _closing_words(result)
     if result.interrupted:
-        again = _command_line(directory, example, target, output)
-        typer.echo(
-            f"Interrupted at step {result.simulation.step}; everything is written. Continue with: {again} --resume",
-            err=True,
-        )
+        options = {"--control": control, "--field": field, "--config": config, "--steps": steps, "--threads": threads}
+        again = _command_line(directory, {"--example": example, **options, "--output": output}, lenient=lenient)
+        _words_of_interrupted(result, again)
         raise typer.Exit(EXIT_INTERRUPTED)
 
 
@@ -109,9 +115,11 @@ def check(
     for note in scene.notes:
         place = f"{note.where}: " if note.where else ""
         typer.echo(f"{note.kind}: {place}{note.text}")
-    beads = scene.bead_count
+    NativeEngine(scene, seed=0, threads=1)  # the core judges the laws' parameters once more
+    unit = "" if scene.units.reduced else " ps"
     typer.echo(
-        f"ok: {beads} beads of {len(scene.species)} species, {scene.run.steps} steps of {scene.dynamics.timestep} ps"
+        f"ok: {scene.bead_count} beads of {len(scene.species)} species, {scene.run.steps} steps of "
+        f"{scene.dynamics.timestep:g}{unit}"
     )
 
 
@@ -148,7 +156,10 @@ def convert(
     if output is None:
         typer.echo(text, nl=False)
     else:
-        replace_file(output, text)
+        try:
+            replace_file(output, text)
+        except RunError as error:
+            raise InputError(str(error)) from error
 
 
 def example_names() -> list[str]:
@@ -208,7 +219,9 @@ def _closing_words(result: RunResult) -> None:
     simulation = result.simulation
     seen = simulation.observe()
     units = simulation.scene.units
-    rate = simulation.scene.bead_count * simulation.steps_per_second / 1e6
+    summary = result.summary
+    steps = summary.steps if summary.loop_steps is None else summary.loop_steps
+    rate = simulation.scene.bead_count * steps / max(summary.loop_seconds, 1e-9) / 1e6
     temperature = f"{seen.temperature:.5g} {units.temperature_label}".rstrip()
     pressure = f"{seen.pressure:.5g} {units.pressure_label}".rstrip()
     typer.echo(
@@ -217,17 +230,25 @@ def _closing_words(result: RunResult) -> None:
     )
 
 
-def _command_line(directory: Path | None, example: str | None, target: Path, output: Path | None) -> str:
-    words = ["pydlpoly run", str(directory) if directory is not None else ""]
-    if example is not None:
-        words = ["pydlpoly run", f"--example {example}"]
-    if output is not None:
-        words.append(f"--output {target}")
-    return " ".join(word for word in words if word)
+def _words_of_interrupted(result: RunResult, again: str) -> None:
+    if result.checkpoint is None:
+        cure = "CONTROL switches the checkpoint off (io_file_revive NONE): it cannot be continued"
+    else:
+        cure = f"continue with: {again}"
+    typer.echo(f"pydlpoly: interrupted at step {result.simulation.step}, everything is written; {cure}", err=True)
+
+
+def _command_line(directory: Path | None, options: Mapping[str, object], *, lenient: bool) -> str:
+    words = ["pydlpoly", "run", *([str(directory)] if directory is not None else [])]
+    words += [text for name, value in options.items() if value is not None for text in (name, str(value))]
+    return shlex.join([*words, *(["--lenient"] if lenient else []), "--resume"])
 
 
 def main() -> NoReturn:
     """Entry point of the ``pydlpoly`` command."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # a title with letters the terminal lacks must not end in a traceback
+            stream.reconfigure(errors="backslashreplace")
     try:
         app(standalone_mode=True)
     except RunError as error:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import time as clock
+from collections import deque
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -13,37 +15,52 @@ if TYPE_CHECKING:
     from pydlpoly.simulation import Simulation
 
 _REFRESH_SECONDS = 0.5
+_RATE_SECONDS = 10.0  # the rate is an average over so long: steady to the eye, but it follows a machine that slows down
 
 
-class ProgressReporter:
-    """Shows the run's progress about twice a second."""
+class ProgressBar:
+    """Shows how far a run is; to be called as often as one likes, at least several times a second."""
 
     def __init__(self, simulation: Simulation, progress: Progress, task: TaskID) -> None:
         self._simulation, self._progress, self._task = simulation, progress, task
+        self._shown = clock.perf_counter()
+        self._past: deque[tuple[float, int]] = deque([(self._shown, simulation.step)])
 
-    def next_step(self, step: int) -> int:
-        """Return a step about half a second ahead."""
-        return step + max(1, int(self._simulation.steps_per_second * _REFRESH_SECONDS))
+    def __call__(self) -> None:
+        """Move the bar when half a second has gone by since the last time."""
+        if clock.perf_counter() - self._shown >= _REFRESH_SECONDS:
+            self.show()
 
-    def report(self, simulation: Simulation) -> None:
+    def show(self) -> None:
         """Move the bar and print rate, temperature and pressure."""
-        seen = simulation.observe()
-        units = simulation.scene.units
-        rate = simulation.steps_per_second * simulation.scene.bead_count / 1e6
-        text = (
-            f"{rate:.2f} M bead-steps/s  T {seen.temperature:.4g} {units.temperature_label}  "
-            f"P {seen.pressure:.4g} {units.pressure_label}"
-        )
-        self._progress.update(self._task, completed=simulation.step, note=text)
+        simulation = self._simulation
+        seen, units = simulation.observe(), simulation.scene.units
+        rate = f"{self._rate() * simulation.scene.bead_count / 1e6:.2f} M bead-steps/s"
+        temperature = f"T {seen.temperature:.4g} {units.temperature_label}".rstrip()
+        pressure = f"P {seen.pressure:.4g} {units.pressure_label}".rstrip()
+        note = "  ".join((rate, temperature, pressure))
+        self._progress.update(self._task, completed=simulation.step, note=note)
+
+    def _rate(self) -> float:
+        """Steps per second over the last seconds."""
+        self._shown = clock.perf_counter()
+        self._past.append((self._shown, self._simulation.step))
+        while len(self._past) > 2 and self._past[1][0] < self._shown - _RATE_SECONDS:
+            self._past.popleft()
+        (begin, first), (end, last) = self._past[0], self._past[-1]
+        return (last - first) / max(end - begin, 1e-9)
 
 
 @contextmanager
-def progress_reporter(simulation: Simulation, last: int) -> Iterator[ProgressReporter]:
-    """Show a bar up to step ``last`` while the context is open; prints nothing when standard error is no terminal."""
+def progress_bar(simulation: Simulation, last: int) -> Iterator[Callable[[], None] | None]:
+    """Show a bar up to step ``last`` while the context is open; None when standard error is no terminal."""
     console = Console(stderr=True)
-    columns = (MofNCompleteColumn(), BarColumn(), TimeRemainingColumn(), TextColumn("{task.fields[note]}"))
-    with Progress(*columns, console=console, disable=not console.is_terminal) as progress:
+    if not console.is_terminal:
+        yield None
+        return
+    columns = (MofNCompleteColumn(), BarColumn(bar_width=20), TimeRemainingColumn(), TextColumn("{task.fields[note]}"))
+    with Progress(*columns, console=console) as progress:
         task = progress.add_task("steps", total=last, completed=simulation.step, note="")
-        reporter = ProgressReporter(simulation, progress, task)
-        yield reporter
-        reporter.report(simulation)
+        bar = ProgressBar(simulation, progress, task)
+        yield bar
+        bar.show()

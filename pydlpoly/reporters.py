@@ -9,12 +9,13 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pydlpoly import __version__
+from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import atomic_file
 from pydlpoly.formats.config_writer import write_config_to
 from pydlpoly.formats.history import HistoryWriter
@@ -168,38 +169,51 @@ class OutputReporter:
     """Writes OUTPUT and keeps the averages: rolling over the stack, and over all samples after equilibration.
 
     Samples are taken in the steps of ``stats_frequency`` (``print_frequency`` when that is 0).
+
+    Args:
+        simulation: the run.
+        path: OUTPUT, or None to keep the averages only.
+        append: the run continues from a checkpoint.
+        stream: print here, for example to the standard output, instead of into ``path``.
+
+    Raises:
+        InputError: the checkpoint holds averages of other quantities.
+        RunError: the file cannot be written.
     """
 
     name = "averages"
 
-    def __init__(self, simulation: Simulation, path: Path | None, *, append: bool = False) -> None:
+    def __init__(
+        self, simulation: Simulation, path: Path | None, *, append: bool = False, stream: IO[str] | None = None
+    ) -> None:
         scene = simulation.scene
         output = scene.output
         self._print_every = output.print_every
         self._sample_every = output.statistics_every or output.print_every
         self._after = 0 if scene.run.record_equilibration else scene.run.equilibration_steps
-        count = len(STATISTICS_NAMES) + len(scene.species)
-        self._rolling = RollingAverages(output.stack_size, count)
-        self._averages = RunningAverages(count + 9 * len(_TENSORS))
+        self._columns = len(STATISTICS_NAMES) + len(scene.species)
+        self._rolling = RollingAverages(output.stack_size, self._columns)
+        self._averages = RunningAverages(self._columns + 9 * len(_TENSORS))
+        self._span = (0, 0)  # the averages cover the steps after the first number, up to the second
         self._begin = clock.perf_counter()
         self._first_step = simulation.step
         self._restore(simulation.restored_state(self.name))
         self._writer: OutputWriter | None = None
-        if path is not None:
+        if path is not None or stream is not None:
             units = scene.units
             self._writer = OutputWriter(
-                path,
+                path or "standard output",
                 __version__,
                 scene.title,
                 append=append,
                 temperature_unit=units.temperature_label,
                 pressure_unit=units.pressure_label,
                 time_unit="" if units.reduced else "ps",
+                stream=stream,
             )
             if append:
                 self._writer.resume(simulation.step, __version__)
-            else:
-                self._writer.text(scene.explain())
+            self._writer.text(scene.explain())
             self._writer.text(f"seed {simulation.seed}, {simulation.threads} threads (results do not depend on these)")
         if not append:
             self._sample(simulation)
@@ -221,20 +235,22 @@ class OutputReporter:
     def state(self) -> dict[str, NDArray[Any]]:
         """Return the averages for the checkpoint."""
         parts = {"rolling": self._rolling.state(), "running": self._averages.state()}
-        return {f"{part}.{key}": value for part, state in parts.items() for key, value in state.items()}
+        arrays = {f"{part}.{key}": value for part, state in parts.items() for key, value in state.items()}
+        return {**arrays, "span": np.array(self._span, dtype=np.int64)}
 
     def finish(self, simulation: Simulation, warnings: Sequence[str], timings: Mapping[str, float]) -> RunSummary:
         """Write the summary and return it."""
         scene = simulation.scene
         mean, spread = self._averages.mean(), self._averages.fluctuations()
-        columns = len(STATISTICS_NAMES) + len(scene.species)
+        columns = self._columns
         tensors = mean[columns:].reshape(len(_TENSORS), 3, 3)
         elapsed = clock.perf_counter() - self._begin
+        covered = self._span[1] - self._span[0]
         summary = RunSummary(
             steps=simulation.step,
             time=simulation.time,
-            averaged_steps=self._averages.taken * self._sample_every,
-            averaged_time=self._averages.taken * self._sample_every * scene.dynamics.timestep,
+            averaged_steps=covered,
+            averaged_time=covered * scene.dynamics.timestep,
             elapsed=elapsed,
             loop_seconds=timings.get("steps", elapsed),
             averages=mean[:columns],
@@ -243,6 +259,8 @@ class OutputReporter:
             diffusion=_diffusion(simulation),
             warnings=warnings,
             timings=timings,
+            samples=self._averages.taken,
+            loop_steps=simulation.step - self._first_step,
         )
         if self._writer is not None:
             self._writer.summary(summary)
@@ -254,18 +272,30 @@ class OutputReporter:
             self._writer.close()
 
     def _restore(self, stored: dict[str, NDArray[Any]]) -> None:
-        parts: dict[str, dict[str, NDArray[Any]]] = {"rolling": {}, "running": {}}
-        for name, value in stored.items():
-            part, key = name.split(".", 1)
-            parts[part][key] = value
-        if parts["rolling"]:
-            self._rolling = RollingAverages.from_state(parts["rolling"])
-            self._averages = RunningAverages.from_state(parts["running"])
+        if not stored:
+            return
+        rolling, running = (
+            {name.removeprefix(part): value for name, value in stored.items() if name.startswith(part)}
+            for part in ("rolling.", "running.")
+        )
+        if not {"stack", "taken"} <= rolling.keys() or "mean" not in running or "span" not in stored:
+            raise InputError("the checkpoint holds averages of another version of pydlpoly")
+        stack, taken = rolling["stack"], int(rolling["taken"])
+        if stack.shape[1] != self._columns or len(running["mean"]) != len(self._averages.mean()):
+            raise InputError("the checkpoint holds averages of other quantities than this version takes")
+        # One by one, oldest first: CONTROL may ask for a stack of another size now.
+        for k in range(max(0, taken - len(stack)), taken):
+            self._rolling.add(stack[k % len(stack)])
+        self._averages = RunningAverages.from_state(running)
+        self._span = int(stored["span"][0]), int(stored["span"][1])
 
     def _sample(self, simulation: Simulation) -> None:
         values = statistics_record(simulation).values()
         self._rolling.add(values)
         if simulation.step > self._after:
+            if self._averages.taken == 0:
+                self._span = max(self._after, simulation.step - self._sample_every), simulation.step
+            self._span = self._span[0], simulation.step
             parts = simulation.observe().stress_parts
             self._averages.add(np.concatenate([values, *(parts[name].reshape(9) for name in _TENSORS)]))
 
@@ -298,13 +328,14 @@ class CheckpointReporter:
         self._checkpoint = folder / output.checkpoint_file if output.checkpoint_file else None
         self._rdf = folder / output.rdf_file if output.rdf_file and output.rdf_every > 0 else None
         self._others = others
+        self.written_step: int | None = None
 
     def next_step(self, step: int) -> int | None:
         """Return the next multiple of ``data_dump_frequency``."""
         return every(step, self._every)
 
     def report(self, simulation: Simulation) -> None:
-        """Write both files."""
+        """Write the files."""
         for other in self._others:
             sync = getattr(other, "sync", None)
             if sync is not None:
@@ -316,6 +347,7 @@ class CheckpointReporter:
             simulation.save(self._checkpoint)
         if self._rdf is not None:
             write_distances(simulation, self._rdf)
+        self.written_step = simulation.step
 
 
 def configuration_of(simulation: Simulation) -> Configuration:
@@ -346,7 +378,7 @@ def radial_distributions(
     scene = simulation.scene
     beads = np.bincount(scene.beads.species, minlength=len(scene.species)).tolist()
     width = scene.cutoff / simulation.rdf_bins
-    r = (np.arange(simulation.rdf_bins) + 0.5) * width
+    r: FloatArray = (np.arange(simulation.rdf_bins, dtype=np.float64) + 0.5) * np.float64(width)
     result = {}
     for pair in scene.output.rdf_pairs:
         a, b = sorted(pair)

@@ -1,24 +1,30 @@
 """A whole run with its files: what ``pydlpoly run`` does, usable from Python.
 
 Everything that can be refused is refused before the first file is touched. Files of an earlier run are kept once, under
-their name with ``.bak`` appended.
+their name with ``.bak`` appended. Ctrl-C and SIGTERM end the run early, but in good order: every reporter of the step
+is called, and everything is written so that the run can be continued with the same bits.
 """
 
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import time as clock
 from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pydlpoly.errors import InputError, RunError
 from pydlpoly.formats.output import RunSummary
+from pydlpoly.interrupts import deferred_signals
 from pydlpoly.reporters import CheckpointReporter, OutputReporter, StatisticsReporter, TrajectoryReporter
 from pydlpoly.scene.model import OutputPlan, Scene
 from pydlpoly.simulation import Simulation
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)  # batch systems announce the end of a job with the second
+_SCREEN = "SCREEN"
 
 
 @dataclass(frozen=True)
@@ -26,7 +32,7 @@ class RunResult:
     """How a run ended.
 
     Attributes:
-        interrupted: Ctrl-C ended it before its last step; everything was written and it can be continued.
+        interrupted: Ctrl-C or SIGTERM ended it before its last step; everything was written and it can be continued.
         checkpoint: the file to continue from, None when CONTROL switches it off.
     """
 
@@ -53,19 +59,40 @@ def run_scene(
         scene: what to model.
         folder: where the files go; made when it does not exist.
         steps: total number of steps in place of the scene's.
-        threads, seed: as for ``Simulation``.
-        checkpoint: continue from this file (appending to STATIS, HISTORY and OUTPUT) instead of starting anew.
+        threads, seed: as for ``Simulation``; a run that continues has the checkpoint's seed.
+        checkpoint: continue from this file instead of starting anew. STATIS and HISTORY are appended to; records of
+            steps after the checkpoint's are dropped first, since they are computed anew.
         progress: show a progress bar on a terminal.
 
     Raises:
-        InputError: the checkpoint cannot be continued, or the folder cannot be written.
-        RunError: the run stopped being physical; the last good state is in REVCON and the checkpoint.
+        InputError: the checkpoint cannot be continued, or the files cannot be written; nothing has been touched.
+        RunError: the run stopped being physical; the text says where the last whole state is.
     """
     last = scene.run.steps if steps is None else steps
     begin = clock.perf_counter()
+    simulation = _simulation(scene, last, threads, seed, checkpoint)
+    target = Path(folder)
+    with deferred_signals(simulation.interrupt, _SIGNALS):
+        _prepare_folder(target, scene, keep=checkpoint is None)
+        with _reporters(simulation, target, append=checkpoint is not None) as (log, keeper):
+            if checkpoint is not None:
+                keeper.written_step = simulation.step
+            set_up = clock.perf_counter() - begin
+            summary, interrupted = _run(simulation, last, log, keeper, set_up, progress and not _fights_with(scene))
+    path = target / scene.output.checkpoint_file if scene.output.checkpoint_file else None
+    return RunResult(simulation, summary, target, interrupted, path)
+
+
+def _simulation(
+    scene: Scene, last: int, threads: int | None, seed: int | None, checkpoint: str | Path | None
+) -> Simulation:
     if checkpoint is None:
+        if scene.run.start == "continue":
+            raise InputError("CONTROL asks to continue a run (restart continue): say which checkpoint to continue from")
         simulation = Simulation(scene, threads=threads, seed=seed)
     else:
+        if seed is not None:
+            raise InputError("a run that continues keeps the seed of its checkpoint; leave the seed out")
         simulation = Simulation.resume(checkpoint, scene=scene, threads=threads)
         if simulation.step >= last:
             raise InputError(
@@ -73,58 +100,92 @@ def run_scene(
                 f"not {last}",
                 path=str(checkpoint),
             )
-    target = Path(folder)
-    output = scene.output
-    _prepare_folder(target, [] if checkpoint else _file_names(output))
-    append = checkpoint is not None
-    set_up = clock.perf_counter() - begin
-    with _reporters(simulation, target, append=append) as (log, keeper):
-        interrupted, failure = False, None
-        loop = clock.perf_counter()
-        try:
-            simulation.run(last - simulation.step, progress=progress)
-        except KeyboardInterrupt:
-            interrupted = True
-        except RunError as error:
-            failure = error
-        loop = clock.perf_counter() - loop
-        warnings = [note.text for note in scene.notes if note.kind == "warning"]
-        if failure is None:
-            keeper.report(simulation)
-        else:
-            warnings.append(f"the run stopped: {failure}")
-        if interrupted:
-            warnings.append(f"the run was interrupted at step {simulation.step} of {last}")
-        summary = log.finish(simulation, warnings, {"set-up": set_up, "steps": loop})
-        if failure is not None:
-            raise failure
-    path = target / output.checkpoint_file if output.checkpoint_file else None
-    return RunResult(simulation, summary, target, interrupted, path)
+    # What is printed and stored is the run as it is, not as CONTROL would have it.
+    plan = replace(scene.run, steps=last, seed=simulation.seed, threads=threads or scene.run.threads)
+    simulation.scene = replace(simulation.scene, run=plan)
+    return simulation
+
+
+def _run(
+    simulation: Simulation, last: int, log: OutputReporter, keeper: CheckpointReporter, set_up: float, progress: bool
+) -> tuple[RunSummary, bool]:
+    """Take the steps and write the end of the files; return the summary and whether the run was interrupted."""
+    failure: RunError | None = None
+    loop = clock.perf_counter()
+    try:
+        simulation.run(last - simulation.step, progress=progress)
+    except KeyboardInterrupt:
+        pass  # how far the run got says whether it is done
+    except RunError as error:
+        failure = error
+    timings = {"set-up": set_up, "steps": clock.perf_counter() - loop}
+    warnings = [note.text for note in simulation.scene.notes if note.kind == "warning"]
+    if failure is not None:
+        failure = RunError(f"{failure}; {_last_whole_state(keeper)}")
+        with suppress(RunError):  # the disk may be what failed
+            log.finish(simulation, [*warnings, f"the run stopped: {failure}"], timings)
+        raise failure
+    interrupted = simulation.step < last
+    if interrupted:
+        warnings.append(f"the run was interrupted at step {simulation.step} of {last}")
+    if keeper.written_step != simulation.step:
+        keeper.report(simulation)
+    return log.finish(simulation, warnings, timings), interrupted
+
+
+def _last_whole_state(keeper: CheckpointReporter) -> str:
+    if keeper.written_step is None:
+        return "no checkpoint had been written yet"
+    return f"the last checkpoint is that of step {keeper.written_step}"
+
+
+def _fights_with(scene: Scene) -> bool:
+    """Whether a progress bar would be drawn across OUTPUT on the same terminal."""
+    return scene.output.output_file == _SCREEN and sys.stdout.isatty()
 
 
 def _file_names(output: OutputPlan) -> list[str]:
     names = [
-        output.output_file,
+        None if output.output_file == _SCREEN else output.output_file,
         output.statistics_file if output.statistics_every > 0 else None,
         output.trajectory_file if output.trajectory_every > 0 else None,
         output.rdf_file if output.rdf_every > 0 else None,
         output.configuration_file,
         output.checkpoint_file,
     ]
-    return [name for name in names if name is not None and name != "SCREEN"]
+    return [name for name in names if name is not None]
 
 
-def _prepare_folder(folder: Path, names: list[str]) -> None:
+def _prepare_folder(folder: Path, scene: Scene, *, keep: bool) -> None:
+    """Make sure that all files can be written, then move those of an earlier run aside when ``keep`` says so."""
+    paths = [folder / name for name in _file_names(scene.output)]
+    _refuse_clashes(paths, scene)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        if not os.access(folder, os.W_OK):
-            raise PermissionError("no permission to write")
-        for name in names:
-            path = folder / name
-            if path.is_file():
+        for path in paths:
+            if path.is_dir():
+                raise InputError("is a folder; expected a file that can be written", path=str(path))
+            if not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
+                found = "no permission to write here" if path.parent.is_dir() else "there is no such folder"
+                raise InputError(f"cannot be written: {found}", path=str(path))
+        for path in paths:
+            if keep and path.is_file():
                 path.replace(path.with_name(path.name + ".bak"))
     except OSError as error:
-        raise InputError(f"the output folder cannot be used ({error})", path=str(folder)) from error
+        raise InputError(f"the output folder cannot be used: {error.strerror or error}", path=str(folder)) from error
+
+
+def _refuse_clashes(paths: list[Path], scene: Scene) -> None:
+    """Refuse names that would have one file overwrite another, or the input."""
+    sources = {os.path.realpath(source) for source in scene.sources}
+    seen: set[str] = set()
+    for path in paths:
+        real = os.path.realpath(path)
+        if real in sources:
+            raise InputError("is an input file of this run; give the output another name or folder", path=str(path))
+        if real in seen:
+            raise InputError("two output files of this run have this name", path=str(path))
+        seen.add(real)
 
 
 @contextmanager
@@ -133,22 +194,23 @@ def _reporters(
 ) -> Iterator[tuple[OutputReporter, CheckpointReporter]]:
     """Open the scene's files, attach their reporters, and close the files whatever happens."""
     output = simulation.scene.output
-    files: list[StatisticsReporter | TrajectoryReporter] = []
-    log_path = None
-    if output.output_file == "SCREEN":
-        log_path = Path("/dev/stdout") if sys.platform != "win32" else None
-    elif output.output_file is not None:
-        log_path = folder / output.output_file
-    log = OutputReporter(simulation, log_path, append=append)
-    try:
-        if output.statistics_every > 0:
-            files.append(StatisticsReporter(simulation, folder / output.statistics_file, append=append))
-        if output.trajectory_every > 0:
-            files.append(TrajectoryReporter(simulation, folder / output.trajectory_file, append=append))
+    screen = output.output_file == _SCREEN
+    path = folder / output.output_file if output.output_file is not None and not screen else None
+    with ExitStack() as opened:
+        files: list[StatisticsReporter | TrajectoryReporter] = []
+        try:
+            if output.statistics_every > 0:
+                statistics = StatisticsReporter(simulation, folder / output.statistics_file, append=append)
+                opened.callback(statistics.close)
+                files.append(statistics)
+            if output.trajectory_every > 0:
+                trajectory = TrajectoryReporter(simulation, folder / output.trajectory_file, append=append)
+                opened.callback(trajectory.close)
+                files.append(trajectory)
+            log = OutputReporter(simulation, path, append=append, stream=sys.stdout if screen else None)
+            opened.callback(log.close)
+        except RunError as error:  # a file that cannot be opened is a matter of the input, not of the physics
+            raise InputError(str(error)) from error
         keeper = CheckpointReporter(simulation, folder, files)
         simulation.reporters += [log, *files, keeper]
         yield log, keeper
-    finally:
-        log.close()
-        for file in files:
-            file.close()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from typing import BinaryIO
+from typing import IO
 
 import numpy as np
 
@@ -34,7 +34,7 @@ def write_config(configuration: Configuration, digits: int | None = None) -> str
     return buffer.getvalue().decode("ascii")
 
 
-def write_config_to(file: BinaryIO, configuration: Configuration, digits: int | None = None) -> None:
+def write_config_to(file: IO[bytes], configuration: Configuration, digits: int | None = None) -> None:
     """Write a CONFIG file to a binary file, chunk by chunk.
 
     Args:

@@ -16,6 +16,7 @@ from typing import IO
 import numpy as np
 from numpy.typing import ArrayLike
 
+from pydlpoly.errors import RunError
 from pydlpoly.formats.atomic import FrameFile, PathLike
 from pydlpoly.formats.averages import RollingAverages, RunningAverages
 from pydlpoly.formats.fortran import fortran_e, fortran_f, fortran_i
@@ -39,7 +40,9 @@ class RunSummary:
 
     Attributes:
         steps, time: where the run ended; time in ps.
-        averaged_steps, averaged_time: how many records, over how long, the averages hold.
+        averaged_steps, averaged_time: how many steps, over how long, the averages cover.
+        samples: how many records the averages are made of, 0 when that is not known.
+        loop_steps: how many steps were taken in ``loop_seconds``; None for all of ``steps``.
         elapsed: wall-clock seconds of the whole run; loop_seconds: of the steps alone.
         averages, fluctuations: at least 37 numbers in the order of ``STATISTICS_NAMES``; fluctuations are r.m.s.
         pressure_parts: average (3, 3) tensors in katm by name (kinetic, conservative, drag, noise, …), which add up to
@@ -62,17 +65,20 @@ class RunSummary:
     diffusion: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     warnings: Sequence[str] = ()
     timings: Mapping[str, float] = field(default_factory=dict)
+    samples: int = 0
+    loop_steps: int | None = None
 
 
 class OutputWriter:
     """Writes OUTPUT piece by piece.
 
     Args:
-        path: the file.
+        path: the file; the name alone, for messages, when there is a ``stream``.
         version: version of pydlpoly, for the banner.
         title: the run's title.
         append: go on with an existing file after its last whole piece.
         temperature_unit, pressure_unit, time_unit: as printed; an empty text prints none (reduced units).
+        stream: write here, for example to the standard output, instead of to a file; it stays open.
 
     Raises:
         RunError: the file cannot be written.
@@ -88,14 +94,20 @@ class OutputWriter:
         temperature_unit: str = "K",
         pressure_unit: str = "katm",
         time_unit: str = "ps",
+        stream: IO[str] | None = None,
     ) -> None:
         """Open the file and write the banner; see the class."""
         self.path = os.fspath(path)
         self._temperature, self._pressure, self._time = temperature_unit, pressure_unit, time_unit
         self._prints = 0
+        self._stream = stream
+        self._file: FrameFile | None = None
         banner = _banner(version, title)
-        self._file = FrameFile(path, banner.encode("utf-8"), append=append, whole_length=_whole_pieces)
-        self.resumed = self._file.resumed
+        if stream is None:
+            self._file = FrameFile(path, banner.encode("utf-8"), append=append, whole_length=_whole_pieces)
+        else:
+            self._write(banner)
+        self.resumed = self._file is not None and self._file.resumed
 
     def text(self, text: str) -> None:
         """Write a section of free text, for example the explanation of the scene."""
@@ -125,7 +137,7 @@ class OutputWriter:
         if summary.averaged_steps > 0:
             pieces += [self._final_averages(summary), self._pressure_tensor(summary)]
             if summary.diffusion:
-                pieces.append(_diffusion(summary.diffusion))
+                pieces.append(_diffusion(summary.diffusion, reduced=not self._time))
         if summary.warnings:
             pieces.append("Warnings of this run:\n" + "".join(f"  {_one_line(w)}\n" for w in summary.warnings) + "\n")
         pieces.append(_timings(summary))
@@ -133,11 +145,13 @@ class OutputWriter:
 
     def sync(self) -> None:
         """Wait until everything written is on the disk."""
-        self._file.sync()
+        if self._file is not None:
+            self._file.sync()
 
     def close(self) -> None:
-        """Close the file."""
-        self._file.close()
+        """Close the file; a stream stays open."""
+        if self._file is not None:
+            self._file.close()
 
     def __enter__(self) -> OutputWriter:
         """Return the open file."""
@@ -150,7 +164,14 @@ class OutputWriter:
         self.close()
 
     def _write(self, text: str) -> None:
-        self._file.write(text.encode("utf-8"))
+        if self._file is not None:
+            self._file.write(text.encode("utf-8"))
+        elif self._stream is not None:
+            try:
+                self._stream.write(text)
+                self._stream.flush()
+            except OSError as error:
+                raise RunError(f"{self.path}: cannot be written: {error.strerror or error}") from error
 
     def _header(self) -> str:
         starts = ("step".rjust(13), _with_unit("time", self._time).rjust(13), "cpu  [s]".rjust(13))
@@ -166,7 +187,8 @@ class OutputWriter:
             return f"run terminated after {summary.steps} steps ( {summary.time:.3f}{unit}), no averages were taken\n\n"
         return (
             f"run terminated after {summary.steps} steps ( {summary.time:.3f}{unit}), final averages calculated over "
-            f"{summary.averaged_steps} steps ( {summary.averaged_time:.3f}{unit})\n"
+            f"{summary.averaged_steps} steps ( {summary.averaged_time:.3f}{unit})"
+            + (f" from {summary.samples} samples\n" if summary.samples else "\n")
         )
 
     def _final_averages(self, summary: RunSummary) -> str:
@@ -180,17 +202,17 @@ class OutputWriter:
         return self._header() + averages + "\n" + fluctuations + RULE + "\n"
 
     def _pressure_tensor(self, summary: RunSummary) -> str:
-        unit = f"({self._pressure})" if self._pressure else ""
+        unit = f"  ({self._pressure})" if self._pressure else ""
         mean = np.asarray(summary.averages)[28:37].reshape(3, 3)
         spread = np.asarray(summary.fluctuations)[28:37].reshape(3, 3)
-        text = "Pressure tensor:\n" + f"Average pressure tensor  {unit}".rjust(38) + "r.m.s. fluctuations".rjust(41)
+        text = "Pressure tensor:\n" + f"Average pressure tensor{unit}".rjust(38) + "r.m.s. fluctuations".rjust(41)
         for row, width in zip(mean, spread, strict=True):
             text += "\n" + _row(row) + "   " + _row(width)
         text += "\n" + _trace(mean) + "\n"
         for name, part in summary.pressure_parts.items():
             tensor = np.asarray(part, dtype=np.float64).reshape(3, 3)
             rows = "\n".join(_row(row) for row in tensor)
-            text += f"of which {name}  {unit}\n{rows}\n{_trace(tensor)}\n"
+            text += f"of which {name}{unit}\n{rows}\n{_trace(tensor)}\n"
         return text
 
 
@@ -238,9 +260,10 @@ def _trace(tensor: FloatArray) -> str:
     return "  trace/3  " + fortran_e(float(np.trace(tensor)) / 3.0, 12, 4) + "\n"
 
 
-def _diffusion(diffusion: Mapping[str, tuple[float, float]]) -> str:
+def _diffusion(diffusion: Mapping[str, tuple[float, float]], *, reduced: bool) -> str:
     text = "Approximate 3D Diffusion Coefficients and square root of MSDs:\n"
-    text += "      atom  DC (10^-9 m^2 s^-1)      Sqrt[MSD] (Ang)\n"
+    columns = ("DC (reduced)", "Sqrt[MSD]") if reduced else ("DC (10^-9 m^2 s^-1)", "Sqrt[MSD] (Ang)")
+    text += f"      atom  {columns[0]:<19}      {columns[1]}\n"
     for species, (coefficient, distance) in diffusion.items():
         numbers = "".join(" " * 8 + fortran_e(v, 13, 4) for v in (coefficient, distance))
         text += f"  {species:<8}{numbers}\n"
@@ -248,7 +271,8 @@ def _diffusion(diffusion: Mapping[str, tuple[float, float]]) -> str:
 
 
 def _timings(summary: RunSummary) -> str:
-    per_step = summary.loop_seconds / summary.steps if summary.steps else 0.0
+    steps = summary.steps if summary.loop_steps is None else summary.loop_steps
+    per_step = summary.loop_seconds / steps if steps else 0.0
     text = "".join(f"{name:<30}{fortran_f(seconds, 12, 3)} sec\n" for name, seconds in summary.timings.items())
     # The sentence has the word order that readers of DL_POLY's OUTPUT look for.
     text += f"Loop time for all the steps: {summary.loop_seconds:.3f} s, time per step: {per_step:.6f} s\n"
