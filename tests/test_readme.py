@@ -1,0 +1,135 @@
+"""README.md: its test command is the one that .ci/run takes, and its table of what is supported is true."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import pydlpoly
+from pydlpoly import SceneError, _core, load
+from pydlpoly.cli import example_folder, example_names
+from pydlpoly.formats.keywords import KEYWORDS
+
+ROOT = Path(__file__).resolve().parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+SHELL = re.findall(r"^```sh\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
+
+
+def test_two_commands_for_a_fresh_machine() -> None:
+    assert len(SHELL) == 2
+    assert all(block.count("\n") == 1 and block.startswith("python3 -m venv .venv && ") for block in SHELL)
+    example = re.search(r"pydlpoly run --example (\w+) ", SHELL[0])
+    assert example is not None
+    assert example[1] in example_names()
+
+
+def test_the_checks_take_the_command_from_here() -> None:
+    script = ROOT / ".ci" / "run"
+    assert script.stat().st_mode & 0o111, "the script is executable"
+    done = subprocess.run([str(script), "--print-command"], capture_output=True, text=True, check=True)
+    assert done.stdout == SHELL[1]
+    assert 'bash -euo pipefail -c "$command"' in script.read_text(encoding="utf-8")
+
+
+def test_the_tests_see_a_package_with_its_core() -> None:
+    """A source folder on Python's path would hide the installed package; then this import has failed already."""
+    assert Path(pydlpoly.__file__).name == "__init__.py"
+    assert Path(_core.__file__).suffix in (".so", ".pyd")
+    assert not (ROOT / "pydlpoly" / Path(_core.__file__).name).exists(), "a compiled core in the source folder"
+
+
+def row(subject: str) -> tuple[str, str]:
+    """The cells supported and refused of a row of the table."""
+    found = re.search(rf"^\| {re.escape(subject)} \|([^|]*)\|([^|]*)\|$", README, re.MULTILINE)
+    assert found is not None, subject
+    return found[1].strip(), found[2].strip()
+
+
+def test_number_of_pair_laws_and_mixing_rules() -> None:
+    supported, refused = row("pair laws")
+    keys = {law["key"] for law in _core.pair_laws()}
+    assert supported.startswith(f"[{len(keys)}]")
+    assert set(re.search(r"among them (.*?);", supported)[1].split(", ")) <= keys  # type: ignore[index]  # None fails
+    assert not set(re.findall(r"`(\w+)`", refused)) & keys
+    assert row("cross terms")[0].startswith("[seven mixing rules]")
+    assert len(_core.mixing_rules()) == 7
+
+
+def example_with(tmp_path: Path, **changes: tuple[str, str]) -> Path:
+    """The example water with one text of a file replaced by another."""
+    for name in ("CONTROL", "FIELD", "CONFIG"):
+        text = (example_folder("water") / name).read_text(encoding="utf-8")
+        if name in changes:
+            before, after = changes[name]
+            assert before in text
+            text = text.replace(before, after, 1)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+TWO_BEADS = "nummols 1500\natoms 2\nW 1.0 0.0 2\n"
+BONDED = {
+    "bonds": "bonds 1\nharm 1 2 10.0 0.5\n",
+    "angles": "angles 1\nharm 1 2 3 10.0 120.0\n",
+    "dihedrals": "dihedrals 1\ncos 1 2 3 4 10.0 0.0 1\n",
+    "inversions": "inversions 1\nharm 1 2 3 4 10.0 0.0\n",
+    "tethers": "teth 1\nharm 1 10.0\n",
+    "constraints": "constraints 1\n1 2 0.5\n",
+    "rigid": "rigid 1\n2 1 2\n",
+    "shells": "shell 1\n1 2 10.0\n",
+}
+BEADS = {"angles": 3, "dihedrals": 4, "inversions": 4}
+
+
+@pytest.mark.parametrize("block", BONDED)
+def test_bonded_terms_are_refused(block: str, tmp_path: Path) -> None:
+    assert block in row("molecules")[1]
+    beads = BEADS.get(block, 2)
+    molecule = f"nummols {3000 // beads}\natoms {beads}\nW 1.0 0.0 {beads}\n{BONDED[block]}"
+    folder = example_with(tmp_path, FIELD=("nummols 3000\natoms 1\nW 1.0 0.0\n", molecule))
+    with pytest.raises(SceneError, match="not modelled") as caught:
+        load(folder)
+    assert caught.value.word == block
+
+
+@pytest.mark.parametrize(
+    ("subject", "file", "before", "after", "message"),
+    [
+        ("ensembles", "CONTROL", "mdvv", "first", "not modelled"),
+        ("ensembles", "CONTROL", "mdvv", "second", "not modelled"),
+        ("ensembles", "CONTROL", "nvt", "npt", "not modelled"),
+        ("ensembles", "CONTROL", "nvt", "nst", "not modelled"),
+        ("pair laws", "FIELD", "dpd  25.0", "mdpd 25.0", "not a pair law"),
+        ("cross terms", "FIELD", "  4.5\n", "\n", "needs a drag for every pair"),
+        ("cells", "CONFIG", "\n0 1 3000", "\n0 4 3000", "imcon 4 .* is not supported"),
+        ("external fields", "FIELD", "close", "extern\nelec 1 0 0\nclose", "not modelled"),
+        ("many-body terms", "FIELD", "close", "metal 1\nW W stch 1 1 1 1 1\nclose", "not modelled"),
+        ("precision, threads", "CONTROL", "timestep ", "precision single\ntimestep ", "not modelled"),
+        (
+            "files written",
+            "CONTROL",
+            "traj_calculate         on",
+            "traj_calculate on\ntraj_key compressed",
+            "not modelled",
+        ),
+    ],
+)
+def test_what_the_table_refuses(subject: str, file: str, before: str, after: str, message: str, tmp_path: Path) -> None:
+    assert row(subject)[1]
+    folder = example_with(tmp_path, **{file: (before, after)})
+    with pytest.raises(pydlpoly.InputError, match=message):
+        load(folder)
+
+
+def test_charges(tmp_path: Path) -> None:
+    charged = ("W 1.0 0.0", "W 1.0 0.5")
+    scene = load(example_with(tmp_path, FIELD=charged))
+    assert any(note.kind == "warning" and "charges" in note.text for note in scene.notes)
+    methods = [word for word in KEYWORDS["coul_method"].options if word != "off"]
+    for method in methods:
+        folder = example_with(tmp_path, FIELD=charged, CONTROL=("vdw_method", f"coul_method {method}\nvdw_method"))
+        with pytest.raises(SceneError, match="not modelled"):
+            load(folder)
