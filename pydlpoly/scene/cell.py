@@ -17,6 +17,9 @@ _PERIODIC = {
 }
 _NO_LONGER = {4: "truncated octahedron", 5: "rhombic dodecahedron", 7: "hexagonal prism"}
 
+# No length in a scene is longer (Å): a tenth of a metre. Larger numbers are slips, and their cubes overflow.
+LONGEST = 1e9
+
 # DL_POLY adds this to the cutoff when it builds the box of an open system, so that no bead lies on its face.
 _MARGIN = 1e-6
 
@@ -38,8 +41,9 @@ def resolve_cell(config: Configuration, cutoff: float, notes: Notes) -> tuple[Fl
         raise SceneError(
             f"periodicity key imcon {imcon}{shape} is not modelled; 0, 1, 2, 3 and 6 are", path=config.path
         )
-    if not np.all(np.isfinite(config.cell)):
-        raise SceneError("the cell vectors contain a number that is not finite", path=config.path)
+    if not np.all(np.abs(config.cell) <= LONGEST):
+        text = f"the cell vectors contain a number that is not finite or beyond {LONGEST:g} ang"
+        raise SceneError(text, path=config.path)
     if imcon == 0:
         cell = _open(config, cutoff, notes)
     elif imcon == 1:

@@ -176,11 +176,14 @@ def _cutoffs(scene: Scene) -> list[str]:
     count = len(scene.beads)
     density = count / float(abs(np.linalg.det(scene.cell)))
     neighbours = min(density * 2.0 / 3.0 * math.pi * reach**3, 0.5 * (count - 1))
-    cells = [max(1, math.floor(width / reach)) for width in widths(scene.cell)]
+    cells = [max(1.0, width // reach) for width in widths(scene.cell).tolist()]
+    while math.prod(cells) > max(64.0, 4.0 * count):  # more cells than beads are of no use; the core stops here too
+        longest = cells.index(max(cells))
+        cells[longest] = max(1.0, cells[longest] // 2.0)
     small = " (fewer than 3 along an axis: images are counted one by one)" if min(cells) < 3 else ""
     return [
         *lines,
-        f"longest range {reach:g}{word.length}: about {' x '.join(str(n) for n in cells)} link cells{small}",
+        f"longest range {reach:g}{word.length}: about {' x '.join(f'{n:.0f}' for n in cells)} link cells{small}",
         f"about {neighbours:.3g} pairs a bead within it, {count * neighbours:.3g} pair evaluations a step",
         f"memory: about {max(1.0, count * _BYTES_PER_BEAD / 1e6):.0f} MB",
     ]

@@ -10,6 +10,7 @@ from pydlpoly import _core
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import ExternalLine, Field, PairTable
 from pydlpoly.scene.beads import Layout
+from pydlpoly.scene.cell import LONGEST
 from pydlpoly.scene.laws import pair_laws
 from pydlpoly.scene.model import Dynamics, ExternalTerm, PairTerm
 from pydlpoly.scene.pairs import PairRules, PairTableBuilder
@@ -93,8 +94,8 @@ def resolve_cutoffs(settings: Settings, notes: Notes) -> tuple[float, float]:
     """Return the global cutoff and the van der Waals cutoff (Å)."""
     cutoff, vdw = settings.number("cutoff"), settings.number("vdw_cutoff")
     for keyword, value in (("cutoff", cutoff), ("vdw_cutoff", vdw)):
-        if not math.isfinite(value) or value == 0.0 or (keyword == "cutoff" and value < 0.0):
-            raise settings.refusal(keyword, f"the cutoff must be above 0 ang, not {value:g}")
+        if not abs(value) <= LONGEST or value == 0.0 or (keyword == "cutoff" and value < 0.0):
+            raise settings.refusal(keyword, f"a cutoff lies above 0 and up to {LONGEST:g} ang, not at {value:g}")
     if cutoff < _LEAST_CUTOFF:
         notes.choice(
             f"cutoff {cutoff:g} ang is used as it is; DL_POLY would take 1 ang instead", settings.where("cutoff")

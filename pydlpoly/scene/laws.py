@@ -9,6 +9,7 @@ from functools import lru_cache
 from pydlpoly import _core
 from pydlpoly.errors import SceneError, suggest
 from pydlpoly.formats.records import Field, PairLine
+from pydlpoly.scene.cell import LONGEST
 from pydlpoly.scene.settings import Notes, place
 
 
@@ -132,8 +133,9 @@ def _read_drag(
     if drag < 0.0:
         notes.warning(f"negative drag {drag:g} of {_pair(line)}: the absolute value is taken, as DL_POLY does", where)
     cutoff = numbers[slot] if len(numbers) > slot else 0.0
-    if not (math.isfinite(cutoff) and cutoff >= 0.0):
-        raise _refusal(line, field, f"the drag's own cutoff (number {slot + 1}) must be positive, not {cutoff:g}")
+    if not 0.0 <= cutoff <= LONGEST:
+        text = f"the drag's own cutoff (number {slot + 1}) lies above 0 and up to {LONGEST:g} ang, not at {cutoff:g}"
+        raise _refusal(line, field, text)
     _refuse_extra(numbers, slot + 1, line, field, "after the drag and its cutoff the record ends", where, notes)
     return abs(drag), cutoff or None
 

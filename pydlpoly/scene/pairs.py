@@ -11,6 +11,7 @@ import numpy as np
 from pydlpoly import _core
 from pydlpoly.errors import SceneError, suggest
 from pydlpoly.formats.records import Field, PairLine, PairTable
+from pydlpoly.scene.cell import LONGEST
 from pydlpoly.scene.laws import PairEntry, read_entry
 from pydlpoly.scene.model import Origin, PairTerm
 from pydlpoly.scene.settings import Notes, place
@@ -140,7 +141,12 @@ class PairTableBuilder:
         parameters, _ = self._mix(f"the pair law of {self._name(pair)}", first, second, 0.0, 0.0)
         text = self._mixed_text(pair)
         mixed = replace(first, parameters=parameters, drag=None, drag_cutoff=None, where=text)
-        return _Law(replace(mixed, range=float(_core.pair_range(first.law.key, list(parameters)))), "mixed", text)
+        try:
+            end = float(_core.pair_range(first.law.key, list(parameters)))
+        except ValueError as error:
+            message = f"the pair law of {self._name(pair)} cannot be mixed: {error}; give this pair its own line"
+            raise SceneError(message, path=self._field.path) from None
+        return _Law(replace(mixed, range=end), "mixed", text)
 
     def _like_entries(self, pair: Pair) -> tuple[PairEntry, PairEntry] | None:
         first, second = (self._given.get((k, k)) for k in pair)
@@ -253,7 +259,7 @@ class PairTableBuilder:
         if not math.isfinite(noise):
             message = f"the drag {drag.value:g} of {self._name(pair)} is too large: its noise is not finite"
             raise SceneError(message, path=self._field.path)
-        cutoff = rules.global_drag_cutoff or drag.cutoff or self._law_end(entry)
+        cutoff = rules.global_drag_cutoff or drag.cutoff or self._law_end(pair, entry)
         return replace(
             term,
             drag=drag.value,
@@ -266,7 +272,7 @@ class PairTableBuilder:
     def _conservative(self, pair: Pair, entry: PairEntry) -> PairTerm:
         shift = self._rules.force_shift and entry.law.shiftable
         if entry.law.key != "tab":
-            return PairTerm(pair, entry.law.key, entry.parameters, self._law_end(entry), shift)
+            return PairTerm(pair, entry.law.key, entry.parameters, self._law_end(pair, entry), shift)
         names = tuple(sorted(self._species[k] for k in pair))
         table = self._tables.get(names)
         if table is None:
@@ -282,8 +288,12 @@ class PairTableBuilder:
         values = np.array([table.energy, table.virial]) * self._factor
         return PairTerm(pair, "tab", (), cutoff, shift, table=values, table_spacing=table.spacing)
 
-    def _law_end(self, entry: PairEntry | None) -> float:
-        return entry.range if entry is not None and entry.range > 0.0 else self._rules.vdw_cutoff
+    def _law_end(self, pair: Pair, entry: PairEntry | None) -> float:
+        end = entry.range if entry is not None and entry.range > 0.0 else self._rules.vdw_cutoff
+        if not end <= LONGEST:
+            message = f"{self._name(pair)}: the law's range {end:g} ang is longer than {LONGEST:g} ang"
+            raise SceneError(message, path=self._field.path)
+        return end
 
     # -- words --------------------------------------------------------------------------------------------------------
 

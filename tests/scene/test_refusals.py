@@ -72,10 +72,13 @@ CASES = {
         {"control": {"vdw_method": "spme"}},
         "CONTROL:10: 'vdw_method': vdw_method spme is not modelled: pair laws by Ewald summation",
     ),
-    "cutoff_zero": ({"control": {"cutoff": "0.0 ang"}}, "CONTROL:7: 'cutoff': the cutoff must be above 0 ang, not 0"),
+    "cutoff_zero": (
+        {"control": {"cutoff": "0.0 ang"}},
+        "CONTROL:7: 'cutoff': a cutoff lies above 0 and up to 1e+09 ang, not at 0",
+    ),
     "vdw_cutoff_zero": (
         {"control": {"vdw_cutoff": "0.0 ang"}},
-        "CONTROL:10: 'vdw_cutoff': the cutoff must be above 0 ang, not 0",
+        "CONTROL:10: 'vdw_cutoff': a cutoff lies above 0 and up to 1e+09 ang, not at 0",
     ),
     "steps_negative": (
         {"control": {"time_run": "-5 steps"}},
@@ -212,7 +215,7 @@ CASES = {
     ),
     "drag_cutoff_negative": (
         {"vdw": ("A A dpd 25.0 1.0 4.5 -1.0",)},
-        "FIELD:15: 'dpd': A A: the drag's own cutoff (number 4) must be positive, not -1",
+        "FIELD:15: 'dpd': A A: the drag's own cutoff (number 4) lies above 0 and up to 1e+09 ang, not at -1",
     ),
     "undefined_drags": (
         {"vdw": ("A A dpd 25.0 1.0 4.5", "B B dpd 25.0 1.0")},
@@ -255,6 +258,29 @@ CASES = {
             "drag divides by both energies, so a species with drag needs an energy above zero; give "
             "this pair its own line"
         ),
+    ),
+    "mixed_parameter_vanishes": (
+        {
+            "control": {"vdw_mix_method": "hogervorst"},
+            "vdw": ("A A dpd 1.0 1e-300 1.0", "B B dpd 1.0 1e-300 1.0"),
+        },
+        "FIELD: the pair law of A-B cannot be mixed: pair law dpd: rc (number 2) must be a positive number, not 0; give"
+        " this pair its own line",
+    ),
+    "law_reaches_too_far": (
+        {"control": {"ensemble_dpd_drag": "1.0 Da/ps"}, "vdw": ("A A dpd 1.0 1e10 1.0",)},
+        "FIELD: A-A: the law's range 1e+10 ang is longer than 1e+09 ang",
+    ),
+    "noise_overflows": (
+        {
+            "control": {"ensemble_dpd_drag": "1.0 Da/ps", "temperature": "1e10 K"},
+            "vdw": ("A A dpd 1.0 1.0 1e300",),
+        },
+        "FIELD: the drag 1e+300 of A-A is too large: its noise is not finite",
+    ),
+    "cell_too_large": (
+        {"imcon": 3, "cell": ((4, 0, 0), (0, 1e10, 0), (0, 0, 4))},
+        "CONFIG: the cell vectors contain a number that is not finite or beyond 1e+09 ang",
     ),
     "table_missing": (
         {"vdw": ("A A tab 4.5", "A B dpd 1.0 1.0 4.5", "B B dpd 25.0 1.0 4.5")},
