@@ -125,7 +125,8 @@ def test_both_species_have_the_temperature_whatever_their_mass_and_drag() -> Non
     assert averages.largest_momentum < 1e-10 * 1500
 
 
-# s = 1 has 2.5 times the friction of s = 2; s = 4 has 0.29 times, hence its longer run. ± 0.004 each; Δt heats by 0.005.
+# s = 1 has 2.5 times the friction of s = 2; s = 4 has 0.29 times, hence its longer run.
+# ± 0.004 each; Δt heats by 0.005.
 @pytest.mark.slow
 @pytest.mark.parametrize(("exponent", "drag", "duration"), [("1.0", 4.5, 20.0), ("4.0", 9.0, 40.0)])
 def test_other_weights_keep_the_temperature(exponent: str, drag: float, duration: float) -> None:
