@@ -60,6 +60,13 @@ def pair_laws() -> dict[str, PairLaw]:
     return laws
 
 
+# Laws whose drag slot is not simply the next number, and what a user of DL_POLY should know about it.
+_ODD_DRAG_SLOTS = {
+    "wca": "number 4 of the wca record is its drag, as documented; DL_POLY's code puts the law's range in its place",
+    "zbl": "number 5 of the zbl record is its drag, as in DL_POLY; numbers 3 and 4 have no meaning",
+}
+
+
 @dataclass(frozen=True)
 class PairEntry:
     """One understood ``vdw`` record: parameters in internal units, the drag and its own cutoff where they were written.
@@ -130,6 +137,8 @@ def _read_drag(
     drag = numbers[slot - 1]
     if not math.isfinite(drag):
         raise _refusal(line, field, f"the drag must be a finite number, not {drag:g}")
+    if drag != 0.0 and law.key in _ODD_DRAG_SLOTS:
+        notes.choice(_ODD_DRAG_SLOTS[law.key], where)
     if drag < 0.0:
         notes.warning(f"negative drag {drag:g} of {_pair(line)}: the absolute value is taken, as DL_POLY does", where)
     cutoff = numbers[slot] if len(numbers) > slot else 0.0

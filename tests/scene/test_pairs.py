@@ -206,11 +206,13 @@ def test_wca_takes_its_drag_from_slot_4_and_its_shift_may_be_left_out(make):
     assert (first.parameters, first.drag) == ((1.0, 0.8, 0.1), 4.5)
     assert first.cutoff == first.drag_cutoff == pytest.approx(0.1 + 2 ** (1 / 6) * 0.8)
     assert (second.parameters, second.drag) == ((1.0, 0.8, 0.0), 1.0)
+    assert [n.where for n in scene.notes if n.text.startswith("number 4 of the wca record")] == ["FIELD:15"]
 
 
 def test_zbl_takes_its_drag_from_slot_5(make):
     scene = make(vdw=("A A zbl 6 8 0 0 4.5",), control=fill(1.0)).scene()
     assert (scene.pairs[0].parameters, scene.pairs[0].drag) == ((6.0, 8.0), 4.5)
+    assert any(text.startswith("number 5 of the zbl record is its drag") for text in texts(scene, "choice"))
 
 
 def test_m126_gets_its_drag_by_filling(make):
