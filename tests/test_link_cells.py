@@ -152,7 +152,7 @@ def test_cell_width_changes_no_bit(name: str, width: float) -> None:
 def test_energy_is_that_of_the_pairs_of_ase(name: str) -> None:
     scene = BOXES[name].scene()
     periodic = [bool(axis) for axis in PERIODIC[scene.imcon]]
-    i, j, distance = primitive_neighbor_list(
+    i, j, distance = primitive_neighbor_list(  # type: ignore[no-untyped-call]  # ase ships no types
         "ijd", periodic, scene.cell, scene.beads.positions, scene.cutoff, self_interaction=False
     )
     # ASE leaves out a bead's own image only at distance 0; half, for every pair comes twice.
