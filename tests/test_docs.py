@@ -15,6 +15,10 @@ from types import ModuleType
 
 import pytest
 
+from pydlpoly import InputError
+from pydlpoly.formats.control import read_control
+from pydlpoly.formats.field import read_field
+
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 NAMES = [page.relative_to(ROOT).as_posix() for page in PAGES]
@@ -200,3 +204,11 @@ def test_recipe_for_a_pair_law_is_true() -> None:
     members = re.findall(r"^    (?:std::\S+(?: \S+>)?|unsigned|int|bool) (\w+)(?: = \w+)?;", record, re.MULTILINE)
     assert len(members) == 9
     assert set(re.findall(r"^\| `(\w+)` \|", page, re.MULTILINE)) == set(members)
+
+
+@pytest.mark.parametrize("file", ["CONTROL", "FIELD"])
+def test_the_other_dialect_is_recognised_and_refused(file: str, shared: Path) -> None:
+    """As docs/inputs.md says."""
+    reader = {"CONTROL": read_control, "FIELD": read_field}[file]
+    with pytest.raises(InputError, match="DL_MESO"):
+        reader(shared / "inputs" / "dl_meso" / "lipid" / file)

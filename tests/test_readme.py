@@ -48,10 +48,9 @@ def row(subject: str) -> tuple[str, str]:
     return found[1].strip(), found[2].strip()
 
 
-def test_number_of_pair_laws_and_mixing_rules() -> None:
+def test_pair_laws_and_mixing_rules() -> None:
     supported, refused = row("pair laws")
     keys = {law["key"] for law in _core.pair_laws()}
-    assert supported.startswith(f"[{len(keys)}]")
     assert set(re.search(r"among them (.*?);", supported)[1].split(", ")) <= keys  # type: ignore[index]  # None fails
     assert not set(re.findall(r"`(\w+)`", refused)) & keys
     assert row("cross terms")[0].startswith("[seven mixing rules]")
