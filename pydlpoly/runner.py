@@ -159,7 +159,7 @@ def _file_names(output: OutputPlan) -> list[str]:
 def _prepare_folder(folder: Path, scene: Scene, *, keep: bool) -> None:
     """Make sure that all files can be written, then move those of an earlier run aside when ``keep`` says so."""
     paths = [folder / name for name in _file_names(scene.output)]
-    _refuse_clashes(paths, scene)
+    _refuse_clashes(paths, scene, folder / (scene.output.configuration_file or "") if not keep else None)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for path in paths:
@@ -175,13 +175,13 @@ def _prepare_folder(folder: Path, scene: Scene, *, keep: bool) -> None:
         raise InputError(f"the output folder cannot be used: {error.strerror or error}", path=str(folder)) from error
 
 
-def _refuse_clashes(paths: list[Path], scene: Scene) -> None:
-    """Refuse names that would have one file overwrite another, or the input."""
+def _refuse_clashes(paths: list[Path], scene: Scene, allowed: Path | None) -> None:
+    """Refuse names that would have one file overwrite another, or the input; ``allowed`` may have been read before."""
     sources = {os.path.realpath(source) for source in scene.sources}
     seen: set[str] = set()
     for path in paths:
         real = os.path.realpath(path)
-        if real in sources:
+        if real in sources and path != allowed:
             raise InputError("is an input file of this run; give the output another name or folder", path=str(path))
         if real in seen:
             raise InputError("two output files of this run have this name", path=str(path))
