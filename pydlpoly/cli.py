@@ -257,4 +257,8 @@ def main() -> NoReturn:
     except PydlpolyError as error:
         typer.echo(f"pydlpoly: {error}", err=True)
         sys.exit(EXIT_REFUSED)
+    except OSError as error:  # the system refuses even to look, as in a folder without permission
+        place = f"{error.filename}: " if error.filename is not None else ""
+        typer.echo(f"pydlpoly: {place}{error.strerror or error}", err=True)
+        sys.exit(EXIT_REFUSED)
     sys.exit(0)

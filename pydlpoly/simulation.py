@@ -10,7 +10,7 @@ from __future__ import annotations
 import secrets
 import time as clock
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
@@ -149,6 +149,7 @@ class Simulation:
         self.reporters: list[Reporter] = []
         self._engine = NativeEngine(scene, seed=self.seed, threads=self.threads, cell_width=cell_width)
         self._observation: Observation | None = None
+        self._stored_totals: Totals | None = None  # of a checkpoint, until the first step
         self._engine.start(scene)
         self.start_positions: FloatArray = np.asarray(self._engine.system.positions)
         self._rate = 0.0
@@ -224,7 +225,7 @@ class Simulation:
         return max(1, int(self._rate * _SECONDS_PER_CHUNK)) if self._rate > 0.0 else 1
 
     def _advance(self, steps: int) -> None:
-        self._observation = None
+        self._observation = self._stored_totals = None
         begin = clock.perf_counter()
         self._engine.run(steps)
         self._rate = steps / max(clock.perf_counter() - begin, 1e-9)
@@ -278,14 +279,17 @@ class Simulation:
             system.wrap()
         if velocities is not None:
             system.velocities = np.where(self.scene.beads.frozen[:, None], 0.0, velocities)
-        self._observation = None
+        self._observation = self._stored_totals = None
         self._engine.initialise()
 
     def observe(self) -> Observation:
         """Return energies, temperature, pressure and stress of the present step."""
         if self._observation is None:
-            self._observation = observation_of(self.scene, self._engine.totals(), self.step, self.time)
+            self._observation = observation_of(self.scene, self._totals(), self.step, self.time)
         return self._observation
+
+    def _totals(self) -> Totals:
+        return self._engine.totals() if self._stored_totals is None else self._stored_totals
 
     @property
     def temperature(self) -> float:
@@ -317,7 +321,8 @@ class Simulation:
     def save(self, path: str | Path) -> None:
         """Write a checkpoint from which ``resume`` continues with the same bits; the file is replaced as a whole."""
         arrays, scene = scene_to_arrays(self.scene)
-        system = self._engine.system
+        system, totals = self._engine.system, self._totals()
+        arrays |= {f"totals.{name}": np.asarray(value) for name, value in asdict(totals).items()}
         arrays |= {
             "positions": np.asarray(system.positions),
             "velocities": np.asarray(system.velocities),
@@ -373,7 +378,14 @@ class Simulation:
         system.step, system.time = int(meta["step"]), float(meta["time"])
         system.positions = arrays["positions"]
         system.velocities = arrays["velocities"]
-        self._engine.initialise()  # observes; the stored forces hold the noise of the velocities they were made from
+        self._engine.initialise()
+        # The stored forces and totals hold the drag of the half-step velocities, which are gone.
+        self._stored_totals = Totals(
+            **{name: np.asarray(arrays[f"totals.{name}"]) for name in ("conservative", "drag", "noise", "kinetic")},
+            pair_energy=float(arrays["totals.pair_energy"]),
+            momentum=arrays["totals.momentum"],
+            volume=float(arrays["totals.volume"]),
+        )
         system.forces = arrays["forces"]
         system.images = arrays["images"]
         self.start_positions = arrays["start_positions"]

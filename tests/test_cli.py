@@ -507,6 +507,18 @@ def test_no_progress_bar_in_a_file(cli, tmp_path: Path) -> None:
     assert cli("run", run_folder(tmp_path)).err == ""
 
 
+def test_folder_that_may_not_be_looked_into(tmp_path: Path, cli, monkeypatch: pytest.MonkeyPatch) -> None:
+    def locked(path: Path) -> bool:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    run_folder(tmp_path)
+    monkeypatch.setattr(Path, "is_file", locked)
+    refused = cli("run", tmp_path)
+    monkeypatch.undo()
+    assert refused.code == 1
+    assert re.fullmatch(r"pydlpoly: \S+/CONTROL: .*Permission denied\n", refused.err)
+
+
 def test_permission_denied(tmp_path: Path, cli, monkeypatch: pytest.MonkeyPatch) -> None:
     """As root every file can be read, so the system's refusal is played."""
     run_folder(tmp_path)

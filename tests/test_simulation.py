@@ -296,6 +296,10 @@ def test_save_and_resume(scene: pydlpoly.Scene, tmp_path: Path) -> None:
     assert (resumed.step, resumed.seed) == (20, 9)
     assert resumed.time == part.time
     assert bits(resumed) == bits(part)
+    assert resumed.energy == part.energy
+    assert resumed.observe().stress.tobytes() == part.observe().stress.tobytes()
+    resumed.save(tmp_path / "saved again")
+    assert (tmp_path / "saved again").read_bytes() == (tmp_path / "saved").read_bytes()
     resumed.run(30)
     assert bits(resumed) == bits(whole)
     assert resumed.distance_counts()[0].tobytes() == whole.distance_counts()[0].tobytes()
