@@ -12,6 +12,7 @@ import numpy.typing
 
 __all__: list[str] = [
     "PairTable",
+    "Precision",
     "StepSettings",
     "System",
     "evaluate_pair",
@@ -25,6 +26,7 @@ __all__: list[str] = [
     "philox",
     "set_threads",
     "thread_limit",
+    "word_noise",
 ]
 
 class PairTable:
@@ -60,12 +62,51 @@ class PairTable:
         force_shift: bool = False,
     ) -> None: ...
 
+class Precision:
+    """
+    How pairs are computed; see cpp/integrate/step_settings.hpp.
+
+    Members:
+
+      reference
+
+      double_precision
+
+      mixed
+    """
+
+    __members__: typing.ClassVar[dict[str, Precision]]
+    double_precision: typing.ClassVar[Precision]
+    mixed: typing.ClassVar[Precision]
+    reference: typing.ClassVar[Precision]
+    @typing.overload
+    def __eq__(self, other: Precision) -> bool: ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool: ...
+    def __getstate__(self) -> int: ...
+    def __hash__(self) -> int: ...
+    def __index__(self) -> int: ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __int__(self) -> int: ...
+    @typing.overload
+    def __ne__(self, other: Precision) -> bool: ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __str__(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
 class StepSettings:
     """
     How a step is taken; see cpp/integrate/step_settings.hpp.
     """
 
     drag: bool
+    precision: Precision
     remove_drift: bool
     def __init__(self) -> None: ...
     @property
@@ -142,6 +183,10 @@ class System:
     def initialise(self) -> None:
         """
         Computes and observes the forces of the present state.
+        """
+    def plan(self) -> str:
+        """
+        How steps are computed: the fast path, or the general one and why.
         """
     def remove_drift(self) -> None: ...
     def rescale_velocities(self) -> None: ...
@@ -220,7 +265,7 @@ def evaluate_pair(
     force_shift: bool = False,
     table: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,
     spacing: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-) -> tuple:
+) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
     """
     U and -dU/dr (internal units, arrays shaped like distances in Å) of one pair law, zero from the cutoff on.
 
@@ -240,7 +285,7 @@ def mix(
     parameters_j: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
     drag_i: typing.SupportsFloat | typing.SupportsIndex,
     drag_j: typing.SupportsFloat | typing.SupportsIndex,
-) -> tuple:
+) -> tuple[list[float], float]:
     """
     Parameters and drag of the pair i-j from those of i-i and j-j, which follow the same pair law.
 
@@ -252,7 +297,7 @@ def mixing_rules() -> list[str]:
     Names of the mixing rules; DL_POLY's spellings are accepted as well.
     """
 
-def pair_laws() -> list:
+def pair_laws() -> list[dict[str, typing.Any]]:
     """
     Every pair law: key, parameter names and what the scene must know about it.
     """
@@ -265,7 +310,7 @@ def pair_noise(
     image: typing.SupportsInt | typing.SupportsIndex = 0,
 ) -> typing.Any:
     """
-    Standard normal noise of the pairs (i, j) of bead ids (from 0) in a step; symmetric in i and j.
+    Standard normal noise of the pairs (i, j) of bead ids (from 0) in a step; precision reference.
     """
 
 def pair_range(key: str, parameters: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> float:
@@ -277,9 +322,9 @@ def pair_tail(
     key: str,
     parameters: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
     cutoff: typing.SupportsFloat | typing.SupportsIndex,
-) -> tuple:
+) -> tuple[float, float]:
     """
-    (integral of U r^2 dr, integral of r^3 dU/dr dr) from the cutoff to infinity; (0, 0) for laws without a long-range correction.
+    Integrals of U r^2 dr and of r^3 dU/dr dr beyond the cutoff; (0, 0) for laws that have no such tail.
     """
 
 def philox(
@@ -298,6 +343,17 @@ def set_threads(threads: typing.SupportsInt | typing.SupportsIndex) -> None:
 def thread_limit() -> int:
     """
     Number of threads that would be used now.
+    """
+
+def word_noise(
+    seed: typing.SupportsInt | typing.SupportsIndex,
+    step: typing.SupportsInt | typing.SupportsIndex,
+    i: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32],
+    j: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32],
+    image: typing.SupportsInt | typing.SupportsIndex = 0,
+) -> typing.Any:
+    """
+    Uniform noise of unit variance of the pairs (i, j) in a step, mixed from the beads' random words.
     """
 
 __version__: str = "0.1.0"

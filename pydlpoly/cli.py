@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated, NoReturn, cast, get_args
 
 import typer
 
@@ -24,6 +24,7 @@ from pydlpoly.formats.atomic import replace_file
 from pydlpoly.formats.control import read_control, write_control
 from pydlpoly.runner import RunResult, run_scene
 from pydlpoly.scene import Scene, load
+from pydlpoly.scene.model import Precision
 
 EXIT_REFUSED, EXIT_USAGE, EXIT_STOPPED, EXIT_INTERRUPTED = 1, 2, 3, 130
 _MOST_THREADS = 1024
@@ -68,6 +69,9 @@ def run(
         int | None, typer.Option(min=1, max=_MOST_THREADS, help="Threads; results do not depend on it.")
     ] = None,
     seed: Annotated[int | None, typer.Option(min=0, max=2**64 - 1, help="Seed of noise and start velocities.")] = None,
+    precision: Annotated[
+        str | None, typer.Option(help="double, mixed or reference in place of CONTROL's precision.")
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option(help="Folder for the output files (default: DIRECTORY; for examples the current one)."),
@@ -83,6 +87,7 @@ def run(
         raise typer.BadParameter("a run that continues keeps the seed of its checkpoint", param_hint="--seed")
     try:
         scene, folder = _scene(directory, example, control, field, config, lenient=lenient)
+        scene = _with_precision(scene, precision)
         target = output if output is not None else folder if example is None else Path()
         checkpoint = _checkpoint(scene, folder, target, resume=resume)
         result = run_scene(
@@ -94,7 +99,8 @@ def run(
     if not quiet:
         _closing_words(result)
     if result.interrupted:
-        options = {"--control": control, "--field": field, "--config": config, "--steps": steps, "--threads": threads}
+        files = {"--control": control, "--field": field, "--config": config}
+        options = {**files, "--steps": steps, "--threads": threads, "--precision": precision}
         again = _command_line(directory, {"--example": example, **options, "--output": output}, lenient=lenient)
         _words_of_interrupted(result, again)
         raise typer.Exit(EXIT_INTERRUPTED)
@@ -197,6 +203,15 @@ def _scene(
         raise typer.BadParameter("give a DIRECTORY with CONTROL, FIELD and CONFIG, or --example NAME")
     resolved = [None if path is None else path.resolve() for path in (control, field, config)]
     return load(folder, control=resolved[0], field=resolved[1], config=resolved[2], lenient=lenient), folder
+
+
+def _with_precision(scene: Scene, precision: str | None) -> Scene:
+    if precision is None:
+        return scene
+    if precision not in get_args(Precision):
+        expected = ", ".join(get_args(Precision))
+        raise typer.BadParameter(f"'{precision}' is no precision; expected {expected}", param_hint="--precision")
+    return replace(scene, dynamics=replace(scene.dynamics, precision=cast(Precision, precision)))
 
 
 def _checkpoint(scene: Scene, folder: Path, target: Path, *, resume: bool) -> Path | None:

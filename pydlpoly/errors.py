@@ -1,4 +1,4 @@
-"""The package's own exceptions: every failure a user can cause is one of these, with the place and the cure in its text."""
+"""The package's own exceptions: every failure a user can cause is one of these, with its place and its cure."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ import time as clock
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Protocol, get_args, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from pydlpoly.formats.checkpoint import read_checkpoint, write_checkpoint
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.interrupts import deferred_signals
 from pydlpoly.scene.continuation import check_continues
-from pydlpoly.scene.model import Scene
+from pydlpoly.scene.model import Precision, Scene
 from pydlpoly.scene.serialise import scene_from_arrays, scene_to_arrays
 
 _SECONDS_PER_CHUNK = 0.2  # how long Ctrl-C may wait
@@ -130,14 +130,25 @@ class Simulation:
         threads: number of threads (default: the scene's, else all processors). Results do not depend on it.
         seed: seed of noise and start velocities, 0 … 2^64 − 1 (default: the scene's, else drawn anew; see ``seed``).
         cell_width: link cells of at least this width (Å) instead of one cutoff. Results do not depend on it.
+        precision: "double", "mixed" or "reference" in place of the scene's.
 
     Raises:
         SceneError: the scene cannot be run.
     """
 
     def __init__(
-        self, scene: Scene, *, threads: int | None = None, seed: int | None = None, cell_width: float = 0.0
+        self,
+        scene: Scene,
+        *,
+        threads: int | None = None,
+        seed: int | None = None,
+        cell_width: float = 0.0,
+        precision: Precision | None = None,
     ) -> None:
+        if precision is not None:
+            if precision not in get_args(Precision):
+                raise SceneError(f"is no precision; expected {', '.join(get_args(Precision))}", word=precision)
+            scene = replace(scene, dynamics=replace(scene.dynamics, precision=precision))
         chosen = scene.run.seed if seed is None else seed
         self.scene = scene
         self.seed: int = secrets.randbits(64) if chosen is None else int(chosen)

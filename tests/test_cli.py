@@ -204,7 +204,9 @@ def test_a_run_that_explodes_is_3_and_says_where_to_go_on(cli, tmp_path: Path) -
     run_folder(tmp_path, {"timestep": "1e9 dpd_t", "time_run": "4000 steps"})
     stopped = cli("run", tmp_path, "--quiet")
     assert stopped.code == 3
-    assert re.match(r"pydlpoly: stopped: step \d+: bead \d+ .*; no checkpoint had been written yet\n", stopped.err)
+    assert re.match(
+        r"pydlpoly: stopped: step \d+: the momentum of bead \d+ .*; no checkpoint had been written yet\n", stopped.err
+    )
     assert "the run stopped: step" in (tmp_path / "OUTPUT").read_text()
     assert not (tmp_path / "REVIVE").exists()
 
@@ -488,10 +490,10 @@ def run_on_terminal(words: list[str], *, stdout_too: bool) -> str:
 
 
 def test_progress_bar_on_a_terminal(tmp_path: Path) -> None:
-    run_folder(tmp_path, {**LONG, "time_run": "6000 steps"})
+    run_folder(tmp_path, {**LONG, "time_run": "60000 steps"})
     shown = run_on_terminal(["run", str(tmp_path), "--threads", "1"], stdout_too=False)
-    notes = re.findall(r"(\d+)/6000 \S* *(\d+:\d\d:\d\d|-:--:--) ([\d.]+) M bead-steps/s  T [\d.]+  P [\d.]+", shown)
-    assert notes[-1][0] == "6000"
+    notes = re.findall(r"(\d+)/60000 \S* *(\d+:\d\d:\d\d|-:--:--) ([\d.]+) M bead-steps/s  T [\d.]+  P [\d.]+", shown)
+    assert notes[-1][0] == "60000"
     assert len({note[0] for note in notes}) >= 2, "the bar moved between the start and the end"
     assert float(notes[-1][2]) > 0.0
 

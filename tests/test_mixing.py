@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import pytest
+
 from pydlpoly import _core
 
 RULES = _core.mixing_rules()

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+
 from pydlpoly import _core
 
 Floats = NDArray[np.float64]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from pydlpoly import _core
 
 CUTOFF = 4.0

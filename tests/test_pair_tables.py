@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+
 from pydlpoly import _core
 
 Floats = NDArray[np.float64]

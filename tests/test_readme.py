@@ -106,7 +106,7 @@ def test_bonded_terms_are_refused(block: str, tmp_path: Path) -> None:
         ("cells", "CONFIG", "\n0 1 3000", "\n0 4 3000", "imcon 4 .* is not supported"),
         ("external fields", "FIELD", "close", "extern\nelec 1 0 0\nclose", "not modelled"),
         ("many-body terms", "FIELD", "close", "metal 1\nW W stch 1 1 1 1 1\nclose", "not modelled"),
-        ("precision, threads", "CONTROL", "timestep ", "precision single\ntimestep ", "not modelled"),
+        ("precision, threads", "CONTROL", "timestep ", "precision single\ntimestep ", "no option of precision"),
         (
             "files written",
             "CONTROL",

@@ -2,6 +2,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <pybind11/typing.h>
 
 #include <cmath>
 #include <memory>
@@ -9,6 +10,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bind/bind.hpp"
@@ -42,8 +44,8 @@ py::dict describe(const LawInfo& info) {
     return entry;
 }
 
-py::list pair_laws() {
-    py::list laws;
+py::typing::List<py::typing::Dict<py::str, py::object>> pair_laws() {
+    py::typing::List<py::typing::Dict<py::str, py::object>> laws;
     dlpoly::pair::for_each_law([&]<class Law>() { laws.append(describe(Law::info)); });
     return laws;
 }
@@ -63,9 +65,9 @@ std::shared_ptr<const dlpoly::pair::Table> table_from(const std::optional<Double
     return table;
 }
 
-py::tuple evaluate_pair(const std::string& key, const std::vector<double>& parameters, double cutoff,
-                        const DoubleArray& distances, bool force_shift, const std::optional<DoubleArray>& values,
-                        double spacing) {
+std::pair<DoubleArray, DoubleArray> evaluate_pair(const std::string& key, const std::vector<double>& parameters,
+                                                  double cutoff, const DoubleArray& distances, bool force_shift,
+                                                  const std::optional<DoubleArray>& values, double spacing) {
     const auto table = table_from(values, spacing);
     const std::span<const double> distance(distances.data(), static_cast<std::size_t>(distances.size()));
     for (const double r : distance) {
@@ -88,7 +90,7 @@ py::tuple evaluate_pair(const std::string& key, const std::vector<double>& param
             forces[k] = value.force_over_r * r;
         }
     });
-    return py::make_tuple(energy, force);
+    return {energy, force};
 }
 
 double pair_range(const std::string& key, const std::vector<double>& parameters) {
@@ -102,7 +104,7 @@ double pair_range(const std::string& key, const std::vector<double>& parameters)
     return range;
 }
 
-py::tuple pair_tail(const std::string& key, const std::vector<double>& parameters, double cutoff) {
+std::pair<double, double> pair_tail(const std::string& key, const std::vector<double>& parameters, double cutoff) {
     dlpoly::pair::Tail result;
     dlpoly::pair::visit(key, [&]<class Law>() {
         if constexpr (!std::is_same_v<Law, dlpoly::pair::Tabulated>) {
@@ -111,14 +113,15 @@ py::tuple pair_tail(const std::string& key, const std::vector<double>& parameter
             throw std::invalid_argument("pair law tab has no formula: its TABLE file gives the long-range correction");
         }
     });
-    return py::make_tuple(result.energy, result.virial);
+    return {result.energy, result.virial};
 }
 
-py::tuple mix(const std::string& rule, const std::string& key, const std::vector<double>& parameters_i,
-              const std::vector<double>& parameters_j, double drag_i, double drag_j) {
+std::pair<std::vector<double>, double> mix(const std::string& rule, const std::string& key,
+                                           const std::vector<double>& parameters_i,
+                                           const std::vector<double>& parameters_j, double drag_i, double drag_j) {
     const auto pair =
         dlpoly::pair::mix(dlpoly::pair::find_mixing_rule(rule), key, parameters_i, parameters_j, drag_i, drag_j);
-    return py::make_tuple(pair.parameters, pair.drag);
+    return {pair.parameters, pair.drag};
 }
 
 std::vector<std::string> mixing_rules() {
@@ -138,8 +141,7 @@ void bind_pair(py::module_& module) {
     module.def("pair_range", &pair_range, py::arg("key"), py::arg("parameters"),
                "Distance in Å where the law itself ends; 0 when it ends at the run's cutoff.");
     module.def("pair_tail", &pair_tail, py::arg("key"), py::arg("parameters"), py::arg("cutoff"),
-               "Integrals of U r^2 dr and of r^3 dU/dr dr from the cutoff to infinity; (0, 0) for laws without "
-               "a long-range correction.");
+               "Integrals of U r^2 dr and of r^3 dU/dr dr beyond the cutoff; (0, 0) for laws that have no such tail.");
     module.def("mix", &mix, py::arg("rule"), py::arg("key"), py::arg("parameters_i"), py::arg("parameters_j"),
                py::arg("drag_i"), py::arg("drag_j"),
                "Parameters and drag of the pair i-j from those of i-i and j-j, which follow the same pair law.\n\n"

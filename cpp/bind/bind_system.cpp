@@ -131,8 +131,14 @@ void bind_system(py::module_& m) {
         .def("set_drag", &PairTableBuilder::set_drag, py::arg("a"), py::arg("b"), py::arg("drag"), py::arg("noise"),
              py::arg("cutoff"));
 
+    py::enum_<Precision>(m, "Precision", "How pairs are computed; see cpp/integrate/step_settings.hpp.")
+        .value("reference", Precision::reference)
+        .value("double_precision", Precision::double_precision)
+        .value("mixed", Precision::mixed);
+
     py::class_<StepSettings>(m, "StepSettings", "How a step is taken; see cpp/integrate/step_settings.hpp.")
         .def(py::init<>())
+        .def_readwrite("precision", &StepSettings::precision)
         .def_readwrite("timestep", &StepSettings::timestep)
         .def_readwrite("thermal_energy", &StepSettings::thermal_energy)
         .def_readwrite("weight_exponent", &StepSettings::weight_exponent)
@@ -158,6 +164,7 @@ void bind_system(py::module_& m) {
             py::arg("key"), py::arg("parameters"))
         .def("initialise", &System::initialise, py::call_guard<py::gil_scoped_release>(),
              "Computes and observes the forces of the present state.")
+        .def("plan", &System::plan, "How steps are computed: the fast path, or the general one and why.")
         .def("run", &System::run, py::arg("steps"), py::call_guard<py::gil_scoped_release>(),
              "Takes steps and observes the last one.")
         .def(
@@ -177,9 +184,8 @@ void bind_system(py::module_& m) {
                  remove_drift(s.state.particles);
                  s.ready = false;
              })
-        .def(
-            "set_cell_width", [](System& s, double width) { s.forces.pairs().set_cell_width(width); }, py::arg("width"),
-            "Link cells of at least this width instead of one range; never changes results.")
+        .def("set_cell_width", &System::set_cell_width, py::arg("width"),
+             "Link cells of at least this width instead of one range; never changes results.")
         .def_readwrite("settings", &System::settings)
         .def_readwrite("ready", &System::ready, "Whether the forces belong to the present positions.")
         .def_property(

@@ -29,9 +29,16 @@ class WideSum {
         high_ += other.high_ + (low_ < other.low_ ? 1 : 0);
     }
 
-    // The sum in the terms' own unit.
+    // The sum in the terms' own unit, rounded once. Negative sums are negated first: their two words, taken apart,
+    // would be rounded at the size of the upper one.
     [[nodiscard]] double value(int exponent) const noexcept {
-        return std::ldexp(static_cast<double>(high_), 64 - exponent) + std::ldexp(static_cast<double>(low_), -exponent);
+        const bool negative = high_ < 0;
+        const std::uint64_t low = negative ? ~low_ + 1 : low_;
+        const auto high = static_cast<std::uint64_t>(high_);
+        const std::uint64_t upper = negative ? ~high + (low == 0 ? 1 : 0) : high;
+        const double size =
+            std::ldexp(static_cast<double>(upper), 64 - exponent) + std::ldexp(static_cast<double>(low), -exponent);
+        return negative ? -size : size;
     }
 
   private:

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/bead_words.hpp"
 #include "core/streams.hpp"
 #include "core/types.hpp"
 
@@ -64,6 +65,12 @@ inline double gaussian(const Words& words) noexcept {
 inline double pair_noise(std::uint64_t seed, std::uint64_t step, std::uint32_t i, std::uint32_t j,
                          std::uint8_t image = 0) noexcept {
     return gaussian(draw(seed, Stream::pair_noise, step, i < j ? i : j, i < j ? j : i, image));
+}
+
+// The key under which bead_word makes the words of a step.
+inline std::array<std::uint32_t, 3> bead_word_key(std::uint64_t seed, std::uint64_t step) noexcept {
+    const Words words = draw(seed, Stream::bead_words, step & ~std::uint64_t{0xFFFFFFFFU}, 0, 0);
+    return {words[0], words[1], words[2] ^ static_cast<std::uint32_t>(step)};
 }
 
 }  // namespace dlpoly

@@ -9,6 +9,7 @@ enum class Stream : std::uint8_t {
     pair_noise = 1,        // ζ_ij of the DPD random force
     start_velocities = 2,  // Maxwell velocities of a clean start
     regauss = 3,           // Maxwell velocities redrawn during equilibration
+    bead_words = 4,        // keys of the beads' random words, from which pair noise is mixed
 };
 
 }  // namespace dlpoly

@@ -26,6 +26,7 @@ class Forces {
     }
 
     [[nodiscard]] PairForces& pairs() noexcept { return pairs_; }
+    [[nodiscard]] bool has_fields() const noexcept { return !fields_.empty(); }
 
   private:
     PairForces pairs_;

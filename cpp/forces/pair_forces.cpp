@@ -35,7 +35,7 @@ PairForces::PairForces(PairTable table, double thermal_energy, double timestep) 
     base_energy_exponent_ = grid_exponent(force * std::max(table_.range(), 1e-6));
 }
 
-void PairForces::gather(const Particles& particles, const Array3N& velocity, bool with_velocity) {
+void PairForces::gather(const Particles& particles, const Array3N& velocity, const ForceRequest& request) {
     const std::vector<std::uint32_t>& order = cells_.order();
     const std::size_t beads = order.size();
     for (auto* array : {&x_, &y_, &z_}) {
@@ -43,11 +43,13 @@ void PairForces::gather(const Particles& particles, const Array3N& velocity, boo
     }
     species_.resize(beads);
     frozen_.resize(beads);
-    if (with_velocity) {
+    if (request.drag) {
         for (auto* array : {&vx_, &vy_, &vz_}) {
             array->resize(beads);
         }
+        words_.resize(beads);
     }
+    const auto word_key = bead_word_key(request.seed, request.step);
     any_frozen_ = false;
     for (std::size_t k = 0; k < beads; ++k) {
         const auto id = static_cast<Eigen::Index>(order[k]);
@@ -57,7 +59,8 @@ void PairForces::gather(const Particles& particles, const Array3N& velocity, boo
         species_[k] = particles.species[order[k]];
         frozen_[k] = particles.frozen[order[k]];
         any_frozen_ = any_frozen_ || frozen_[k] != 0;
-        if (with_velocity) {
+        if (request.drag) {
+            words_[k] = bead_word(order[k], word_key.data());
             vx_[k] = velocity(id, 0);
             vy_[k] = velocity(id, 1);
             vz_[k] = velocity(id, 2);
@@ -73,7 +76,7 @@ void PairForces::compute(const Box& box, Particles& particles, const Array3N& ve
         return;
     }
     cells_.build(box, particles.position, table_.range(), cell_width_);
-    gather(particles, velocity, request.drag);
+    gather(particles, velocity, request);
     int exponent = base_exponent_;
     int energy_exponent = base_energy_exponent_;
     // Forces beyond the grid's reach are rare (a random start): the sums are then repeated on a grid coarse enough. The
@@ -244,7 +247,9 @@ void PairForces::evaluate_drag(const PairBatch& batch, BatchResult& result, cons
             batch.dx[k] * (vx_[i] - vx_[j]) + batch.dy[k] * (vy_[i] - vy_[j]) + batch.dz[k] * (vz_[i] - vz_[j]);
         result.drag[k] = -pair.drag * weight * weight * projection / batch.distance_squared[k];
         if (pair.noise > 0.0) {
-            const double zeta = pair_noise(request.seed, request.step, order[i], order[j], batch.image[k]);
+            const double zeta = request.gaussian_noise
+                                    ? pair_noise(request.seed, request.step, order[i], order[j], batch.image[k])
+                                    : word_to_noise * mix_words(words_[i], words_[j], batch.image[k]);
             result.noise[k] = pair.noise * weight * zeta * request.inverse_root_timestep / distance;
         }
     }

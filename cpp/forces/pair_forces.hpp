@@ -39,7 +39,7 @@ class PairForces {
     [[nodiscard]] const LinkCells& cells() const noexcept { return cells_; }
 
   private:
-    void gather(const Particles& particles, const Array3N& velocity, bool with_velocity);
+    void gather(const Particles& particles, const Array3N& velocity, const ForceRequest& request);
     struct Largest {
         double force = 0.0;
         double energy = 0.0;
@@ -63,6 +63,7 @@ class PairForces {
     // Beads in cell order.
     std::vector<double> x_, y_, z_;
     std::vector<double> vx_, vy_, vz_;
+    std::vector<std::uint32_t> words_;
     std::vector<std::int32_t> species_;
     std::vector<std::uint8_t> frozen_;
     bool any_frozen_ = false;

@@ -20,7 +20,8 @@ PairTable::PairTable(std::int32_t species)
       law_cutoff_(terms_, 0.0),
       reach_squared_(terms_, 0.0),
       kernel_of_(terms_, no_kernel),
-      drags_(terms_) {}
+      drags_(terms_),
+      soft_laws_(terms_) {}
 
 std::uint32_t PairTable::kernel_index(const std::string& key) {
     const auto found = std::find(keys_.begin(), keys_.end(), key);
@@ -50,6 +51,11 @@ void PairTable::set_law(std::int32_t a, std::int32_t b, const std::string& key, 
         kernels_[kernel]->add(t, parameters, cutoff, force_shift);
         kernel_of_[t] = kernel;
         law_cutoff_[t] = cutoff;
+        if (key == "dpd" && parameters[1] == cutoff) {
+            soft_laws_[t] = {parameters[0], cutoff};
+        } else {
+            only_soft_ = false;
+        }
     }
     set_reach(a, b, cutoff);
 }
@@ -57,12 +63,22 @@ void PairTable::set_law(std::int32_t a, std::int32_t b, const std::string& key, 
 void PairTable::set_table(std::int32_t a, std::int32_t b, std::span<const double> energy,
                           std::span<const double> virial, double spacing, double cutoff, bool force_shift) {
     const std::uint32_t kernel = kernel_index("tab");
+    only_soft_ = false;
     for (const std::uint32_t t : {term(a, b), term(b, a)}) {
         kernels_[kernel]->add_table(t, energy, virial, spacing, cutoff, force_shift);
         kernel_of_[t] = kernel;
         law_cutoff_[t] = cutoff;
     }
     set_reach(a, b, cutoff);
+}
+
+bool PairTable::is_soft() const noexcept {
+    for (std::size_t t = 0; t < terms_; ++t) {
+        if (drags_[t].drag > 0.0 && soft_laws_[t].cutoff > 0.0 && drags_[t].cutoff != soft_laws_[t].cutoff) {
+            return false;
+        }
+    }
+    return only_soft_;
 }
 
 void PairTable::set_drag(std::int32_t a, std::int32_t b, const PairDrag& drag) {

@@ -66,6 +66,16 @@ class PairTable {
     [[nodiscard]] const std::vector<std::uint32_t>& kernel_of() const noexcept { return kernel_of_; }
     [[nodiscard]] const std::vector<PairDrag>& drags() const noexcept { return drags_; }
 
+    // The soft repulsion of a pair, zeros when it has none.
+    struct SoftLaw {
+        double repulsion = 0.0;
+        double cutoff = 0.0;
+    };
+    [[nodiscard]] SoftLaw soft_law(std::uint32_t term) const noexcept { return soft_laws_[term]; }
+    [[nodiscard]] const std::vector<SoftLaw>& soft_laws() const noexcept { return soft_laws_; }
+    // Whether every pair has the law dpd or none, over its own range, and a drag of the same range or none.
+    [[nodiscard]] bool is_soft() const noexcept;
+
     // Batches are kept per kernel; the last one is for pairs that have a drag but no conservative law.
     [[nodiscard]] std::size_t batch_kinds() const noexcept { return kernels_.size() + 1; }
     [[nodiscard]] const PairKernel* kernel(std::size_t kind) const noexcept {
@@ -90,6 +100,8 @@ class PairTable {
     std::vector<double> reach_squared_;
     std::vector<std::uint32_t> kernel_of_;
     std::vector<PairDrag> drags_;
+    std::vector<SoftLaw> soft_laws_;
+    bool only_soft_ = true;
 };
 
 }  // namespace dlpoly

@@ -18,6 +18,7 @@ struct ForceRequest {
     bool drag = false;     // also drag and noise, from the velocities given and this step's noise
     double weight_exponent = 2.0;
     double inverse_root_timestep = 0.0;  // 1/√Δt
+    bool gaussian_noise = false;         // one Philox4x32-10 a pair instead of the mix of two beads' words
     std::uint64_t seed = 0;
     std::uint64_t step = 0;
 };

@@ -5,7 +5,15 @@
 
 namespace dlpoly {
 
+// How pairs are computed. All three conserve momentum to the bit of their sums.
+enum class Precision {
+    reference,         // double, general path, one Gaussian number of Philox4x32-10 for every pair
+    double_precision,  // pair arithmetic and sums in double
+    mixed,             // pair arithmetic in single precision, exact integer sums; the general path stays in double
+};
+
 struct StepSettings {
+    Precision precision = Precision::double_precision;
     double timestep = 0.0;         // ps
     double thermal_energy = 0.0;   // k_B T, internal energy
     double weight_exponent = 2.0;  // s of w^D = (1 − r/r_c)^s

@@ -1,15 +1,49 @@
 // One simulation (see system.hpp).
 #include "integrate/system.hpp"
 
+#include <algorithm>
 #include <utility>
+
+#include "integrate/equilibration.hpp"
 
 namespace dlpoly {
 
 System::System(State initial, Forces all_forces, StepSettings step_settings)
     : state(std::move(initial)), forces(std::move(all_forces)), settings(step_settings) {}
 
+void System::set_cell_width(double width) {
+    cell_width_ = width;
+    forces.pairs().set_cell_width(width);
+    path_chosen_ = false;
+    fluid_.reset();
+}
+
+void System::choose_path() {
+    if (path_chosen_) {
+        return;
+    }
+    path_chosen_ = true;
+    refusal_ = settings.precision == Precision::reference
+                   ? "the precision is reference"
+                   : fast::refusal(state.box, state.particles, forces.pairs().table(), settings, forces.has_fields());
+    if (refusal_.empty()) {
+        fluid_ = fast::make_fluid(state, forces.pairs().table(), settings, fast::chosen_passes(),
+                                  settings.precision == Precision::mixed, cell_width_);
+    }
+}
+
+std::string System::plan() {
+    choose_path();
+    return refusal_.empty() ? std::string("fast: ") + fast::chosen_passes().name : "general: " + refusal_;
+}
+
 void System::initialise() {
-    integrator_.start(state, forces, settings, true, totals);
+    choose_path();
+    if (fluid_) {
+        fluid_->start(state, settings, totals);
+    } else {
+        integrator_.start(state, forces, settings, true, totals);
+    }
     ready = true;
 }
 
@@ -17,22 +51,27 @@ void System::run(std::uint64_t steps) {
     if (!ready) {
         initialise();
     }
-    for (std::uint64_t k = 0; k < steps; ++k) {
-        integrator_.step(state, forces, settings, k + 1 == steps, totals);
+    const auto until_multiple = [this](std::uint64_t interval, std::uint64_t most) {
+        return interval > 0 ? std::min(most, interval - state.step % interval) : most;
+    };
+    while (steps > 0) {
+        // The fast path stops where something looks at the beads or changes them between steps.
+        std::uint64_t stride = fluid_ ? until_multiple(distances ? distances_every : 0, steps) : 1;
+        if (state.step < settings.equilibration_steps) {
+            stride = std::min(
+                {until_multiple(settings.rescale_every, stride), until_multiple(settings.regauss_every, stride)});
+        }
+        if (fluid_) {
+            fluid_->run(state, settings, stride, totals);
+            equilibrate(state, settings);
+        } else {
+            integrator_.step(state, forces, settings, steps == 1, totals);
+        }
+        steps -= stride;
         if (distances && distances_every > 0 && state.step > distances_after && state.step % distances_every == 0) {
             distances->sample(state.box, state.particles);
         }
     }
-}
-
-PairTotals System::conservative_totals() {
-    Particles copy = state.particles;
-    PairTotals result;
-    ForceRequest request;
-    request.observe = true;
-    request.step = state.step;
-    forces.compute(state.box, copy, copy.velocity, request, result);
-    return result;
 }
 
 void System::enable_distances(double range, std::int32_t bins, std::uint64_t every, std::uint64_t after) {

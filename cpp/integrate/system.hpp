@@ -1,9 +1,12 @@
 // One simulation: state, forces, integrator, and what was observed in the last step that was asked to observe.
 #pragma once
 
+#include <memory>
 #include <optional>
+#include <string>
 
 #include "core/state.hpp"
+#include "fast/fluid.hpp"
 #include "forces/forces.hpp"
 #include "integrate/step_settings.hpp"
 #include "integrate/velocity_verlet.hpp"
@@ -22,8 +25,11 @@ class System {
     // later than distances_after.
     void run(std::uint64_t steps);
 
-    // Energies and stress of the conservative forces at the present positions, without touching the stored forces.
-    PairTotals conservative_totals();
+    // Link cells of at least this width instead of one range; 0 = one range. Changes speed, never results.
+    void set_cell_width(double width);
+
+    // How steps are computed: "fast", or why not in words.
+    [[nodiscard]] std::string plan();
 
     void enable_distances(double range, std::int32_t bins, std::uint64_t every, std::uint64_t after);
 
@@ -37,7 +43,13 @@ class System {
     bool ready = false;  // forces belong to the present positions
 
   private:
+    void choose_path();
+    double cell_width_ = 0.0;
+
     VelocityVerlet integrator_;
+    bool path_chosen_ = false;
+    std::string refusal_;
+    std::unique_ptr<fast::Fluid> fluid_;  // nullptr: the general path
 };
 
 }  // namespace dlpoly

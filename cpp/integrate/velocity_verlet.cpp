@@ -54,6 +54,7 @@ void VelocityVerlet::evaluate(State& state, Forces& forces, const StepSettings& 
     request.drag = settings.drag;
     request.weight_exponent = settings.weight_exponent;
     request.inverse_root_timestep = settings.drag ? 1.0 / std::sqrt(settings.timestep) : 0.0;
+    request.gaussian_noise = settings.precision == Precision::reference;
     request.seed = settings.seed;
     request.step = state.step;
     forces.compute(state.box, state.particles, velocity, request, totals);

@@ -15,7 +15,14 @@ from numpy.typing import NDArray
 from pydlpoly import _core
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.scene.explain import PLANS
 from pydlpoly.scene.model import PairTerm, Scene
+
+_PRECISIONS = {
+    "double": _core.Precision.double_precision,
+    "mixed": _core.Precision.mixed,
+    "reference": _core.Precision.reference,
+}
 
 
 @dataclass(frozen=True)
@@ -77,7 +84,8 @@ class NativeEngine:
             raise SceneError(str(error)) from error
         for term in scene.external:
             self.system.add_external_field(term.key, list(term.parameters))
-        self.system.set_cell_width(cell_width)
+        if cell_width > 0.0:
+            self.system.set_cell_width(cell_width)
 
     def start(self, scene: Scene) -> None:
         """Give the beads the velocities that the scene's start asks for, and compute the first forces."""
@@ -143,6 +151,7 @@ def _pair_table(scene: Scene) -> _core.PairTable:
 def _step_settings(scene: Scene, seed: int) -> _core.StepSettings:
     dynamics, run = scene.dynamics, scene.run
     settings = _core.StepSettings()
+    settings.precision = _PRECISIONS[dynamics.precision]
     settings.timestep = dynamics.timestep
     settings.thermal_energy = dynamics.thermal_energy
     settings.weight_exponent = dynamics.weight_exponent
@@ -186,3 +195,30 @@ def _tail_of(term: PairTerm) -> tuple[float, float]:
         return 0.0, 0.0
     energy, virial = _core.pair_tail(term.law, list(term.parameters), term.cutoff)
     return float(energy), float(virial)
+
+
+def plan(scene: Scene) -> list[str]:
+    """Return in words how the scene's steps will be computed: path, instruction set, precision."""
+    try:
+        path, reason = NativeEngine(scene, seed=0, threads=1).system.plan().split(": ", 1)
+    except SceneError as error:
+        return [f"none: {error}"]
+    precision = scene.dynamics.precision
+    if path == "fast":
+        arithmetic = "single" if precision == "mixed" else "double"
+        return [
+            f"fast path ({reason}): fixed-point positions and momenta, records sorted in every step",
+            f"pair arithmetic in {arithmetic} precision, exact integer sums: momentum is conserved to the bit",
+            "noise: uniform, mixed from one random word a bead and step",
+        ]
+    noise = (
+        "Gaussian, Philox4x32-10 for every pair" if precision == "reference" else "uniform, from beads' random words"
+    )
+    return [
+        f"general path: {reason}",
+        "link cells, pair arithmetic in double precision, exact integer sums",
+        f"noise: {noise}",
+    ]
+
+
+PLANS.append(plan)

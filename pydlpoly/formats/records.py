@@ -51,6 +51,7 @@ class Control:
         return next((s for s in self.settings if s.keyword == keyword), None)
 
     def __iter__(self) -> Iterator[Setting]:
+        """Iterate over the settings in file order."""
         return iter(self.settings)
 
 
@@ -84,9 +85,7 @@ class BondedLine:
 class MoleculeBlock:
     """One bonded block of a molecule, for example ``bonds`` (canonical directive name) and its lines in order."""
 
-    directive: Literal[
-        "shells", "constraints", "pmf", "rigid", "tethers", "bonds", "angles", "dihedrals", "inversions"
-    ]
+    directive: Literal["shells", "constraints", "pmf", "rigid", "tethers", "bonds", "angles", "dihedrals", "inversions"]
     lines: tuple[BondedLine, ...]
     line: int = field(default=0, compare=False)
 
@@ -197,6 +196,7 @@ class Configuration:
         return 0 if self.velocities is None else 1 if self.forces is None else 2
 
     def __eq__(self, other: object) -> bool:
+        """Compare everything but path and warnings."""
         if not isinstance(other, Configuration):
             return NotImplemented
         return (

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 
 from pydlpoly.formats.records import Configuration, FloatArray
 from pydlpoly.scene.beads import Layout
-from pydlpoly.scene.model import Dynamics, ExternalTerm, RunPlan, Start
+from pydlpoly.scene.model import Dynamics, ExternalTerm, Precision, RunPlan, Start
 from pydlpoly.scene.settings import Notes, Settings, place
 from pydlpoly.units import BOLTZMANN
 
@@ -28,8 +29,9 @@ def resolve_dynamics(settings: Settings, reduced: bool, notes: Notes) -> Dynamic
     if not timestep > 0.0:
         raise settings.refusal("timestep", f"the timestep must be above 0 ps, not {timestep:g}")
     temperature = _temperature(settings, reduced, notes)
+    precision = cast(Precision, settings.word("precision"))
     if not _is_dpd(settings):
-        return Dynamics("nve", timestep, BOLTZMANN * temperature)
+        return Dynamics("nve", timestep, BOLTZMANN * temperature, precision=precision)
     if temperature == 0.0:
         notes.choice("the DPD thermostat has temperature 0: drag only, no noise", settings.where("temperature"))
     prediction = settings.number("ensemble_dpd_lambda")
@@ -40,7 +42,7 @@ def resolve_dynamics(settings: Settings, reduced: bool, notes: Notes) -> Dynamic
         raise settings.refusal(
             "ensemble_dpd_exponent", f"the exponent of the drag's weight must be above 0, not {exponent:g}"
         )
-    return Dynamics("dpd-mdvv", timestep, BOLTZMANN * temperature, prediction, exponent)
+    return Dynamics("dpd-mdvv", timestep, BOLTZMANN * temperature, prediction, exponent, precision=precision)
 
 
 def _temperature(settings: Settings, reduced: bool, notes: Notes) -> float:

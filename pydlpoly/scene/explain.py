@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
@@ -32,6 +32,10 @@ _START = {
 _BYTES_PER_BEAD = 200
 
 
+# Engines add how they would compute a scene; the scene itself knows none of them.
+PLANS: list[Callable[[Scene], list[str]]] = []
+
+
 def explain(scene: Scene) -> str:
     """Return the scene as text of at most 100 columns (more only where a file's name is longer)."""
     sections = [
@@ -40,6 +44,7 @@ def explain(scene: Scene) -> str:
         ("Integrator and thermostat", _dynamics(scene)),
         ("Pair table", _pairs(scene)),
         ("Cutoffs and link cells", _cutoffs(scene)),
+        ("Plan", _plan(scene)),
         ("Long-range correction", _long_range(scene)),
         ("External fields", _external(scene)),
         ("Run", _run(scene)),
@@ -49,6 +54,10 @@ def explain(scene: Scene) -> str:
         ("Warnings", _notes(scene, "warning")),
     ]
     return "\n\n".join("\n".join([title, "-" * len(title), *lines]) for title, lines in sections) + "\n"
+
+
+def _plan(scene: Scene) -> list[str]:
+    return [line for plan in PLANS for line in plan(scene)] or ["no engine is loaded"]
 
 
 class _Words:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pydlpoly.units import EnergyUnit
 
 Start = Literal["clean", "rescale", "noscale", "continue"]
+Precision = Literal["double", "mixed", "reference"]
 Origin = Literal["given", "mixed", "filled", "overridden", "default", "none"]
 
 
@@ -115,6 +116,7 @@ class Dynamics:
         prediction: Groot–Warren's λ.
         weight_exponent: s of w^D = (1 − r/r_c)^s.
         remove_drift: whether the centre-of-mass velocity of the mobile beads is removed in every step.
+        precision: arithmetic of the pair forces, "double", "mixed" or "reference".
     """
 
     integrator: Literal["nve", "dpd-mdvv"]
@@ -123,6 +125,7 @@ class Dynamics:
     prediction: float = 0.5
     weight_exponent: float = 2.0
     remove_drift: bool = False
+    precision: Precision = "double"
 
 
 @dataclass(frozen=True)

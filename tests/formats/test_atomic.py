@@ -128,7 +128,9 @@ def test_a_frame_that_fails_half_way_is_taken_back(tmp_path: Path) -> None:
         file.write(b"z" * 10)
     """)
     target = tmp_path / "frames"
-    done = subprocess.run([sys.executable, "-c", program, target], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program, target], capture_output=True, text=True, check=True, cwd=tmp_path
+    )
     assert done.stdout.strip().endswith("cannot be written: File too large")
     assert target.read_bytes() == b"HEAD\n" + b"x" * 1000 + b"z" * 10
 
@@ -181,7 +183,7 @@ def test_a_killed_program_leaves_whole_frames(tmp_path: Path) -> None:
             file.write(b"0123456789ABCDEF\\n")
     """)
     target = tmp_path / "frames"
-    with subprocess.Popen([sys.executable, "-c", program, target], stdout=subprocess.PIPE) as running:
+    with subprocess.Popen([sys.executable, "-c", program, target], stdout=subprocess.PIPE, cwd=tmp_path) as running:
         assert running.stdout is not None
         assert running.stdout.readline() == b"ready\n"
         running.send_signal(signal.SIGKILL)

@@ -326,7 +326,7 @@ def test_dl_polys_own_python_tools_know_no_other_keyword() -> None:
         ("pseudo_thermostat_method direct", "refused", "a thermostat at the cell boundary"),
         ("density_variance 10 %", "ignored", "arrays grow as needed"),
         ("io_read_method mpiio", "ignored", "pydlpoly reads and writes files in one way only"),
-        ("precision single", "refused", "single precision"),
+        ("precision mixed", "used", ""),
     ],
 )
 def test_effects(line: str, kind: str, reason: str) -> None:

@@ -14,6 +14,7 @@ TITLES = [
     "Integrator and thermostat",
     "Pair table",
     "Cutoffs and link cells",
+    "Plan",
     "Long-range correction",
     "External fields",
     "Run",

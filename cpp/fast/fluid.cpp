@@ -1,0 +1,635 @@
+// The fast path (see fluid.hpp).
+#include "fast/fluid.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <stdexcept>
+#include <vector>
+
+#include "core/failure.hpp"
+#include "core/random.hpp"
+#include "core/threads.hpp"
+#include "fast/grid.hpp"
+#define DLPOLY_SIMD plain
+#include "fast/pass.hpp"
+
+namespace dlpoly::fast {
+
+namespace {
+
+// Beads a thread should have before another one pays for the waiting at the end of each step.
+constexpr std::size_t beads_a_thread = 1500;
+
+template <class T>
+class AlignedArray {
+  public:
+    explicit AlignedArray(std::size_t count)
+        : size_(count), data_(static_cast<T*>(::operator new(count * sizeof(T), std::align_val_t{64}))) {
+        std::memset(static_cast<void*>(data_), 0, count * sizeof(T));
+    }
+    AlignedArray(const AlignedArray&) = delete;
+    AlignedArray& operator=(const AlignedArray&) = delete;
+    AlignedArray(AlignedArray&&) = delete;
+    AlignedArray& operator=(AlignedArray&&) = delete;
+    ~AlignedArray() { ::operator delete(data_, std::align_val_t{64}); }
+    T* data() noexcept { return data_; }
+    const T* data() const noexcept { return data_; }
+    [[nodiscard]] std::size_t size() const noexcept { return size_; }
+
+  private:
+    std::size_t size_;
+    T* data_;
+};
+
+// The kinds of beads in a state: species, split where some of its beads are frozen or have another mass.
+struct Kinds {
+    struct Kind {
+        std::int32_t species;
+        double mass;
+        bool frozen;
+    };
+    std::vector<Kind> list;
+    std::vector<std::uint8_t> of_bead;
+};
+
+Kinds find_kinds(const Particles& particles, std::size_t most) {
+    Kinds kinds;
+    kinds.of_bead.resize(static_cast<std::size_t>(particles.count()));
+    for (std::size_t i = 0; i < kinds.of_bead.size(); ++i) {
+        const bool frozen = particles.frozen[i] != 0;
+        std::size_t k = 0;
+        while (k < kinds.list.size() &&
+               !(kinds.list[k].species == particles.species[i] && kinds.list[k].frozen == frozen &&
+                 (frozen || kinds.list[k].mass == particles.mass[i]))) {
+            ++k;
+        }
+        if (k == kinds.list.size()) {
+            if (k == most) {
+                kinds.list.clear();
+                return kinds;
+            }
+            kinds.list.push_back({particles.species[i], particles.mass[i], frozen});
+        }
+        kinds.of_bead[i] = static_cast<std::uint8_t>(k);
+    }
+    return kinds;
+}
+
+// The largest momentum that fixed-point numbers can hold, chosen far above what the scene can give a bead: 40 times the
+// momentum of the heaviest mobile bead at thermal energy, or at the energy of overlapping beads in a random start.
+double momentum_range(const Kinds& kinds, const PairTable& table, double thermal_energy) {
+    double heaviest = 0.0;
+    for (const Kinds::Kind& kind : kinds.list) {
+        heaviest = kind.frozen ? heaviest : std::max(heaviest, kind.mass);
+    }
+    double energy = thermal_energy;
+    for (const PairTable::SoftLaw& law : table.soft_laws()) {
+        energy = std::max(energy, 0.2 * std::abs(law.repulsion) * law.cutoff);
+    }
+    return 40.0 * std::sqrt(heaviest * energy);
+}
+
+template <class Record>
+class FluidOf final : public Fluid {
+  public:
+    FluidOf(const State& state, const PairTable& table, const StepSettings& settings, const Passes& passes,
+            double cell_width)
+        : passes_(passes),
+          kinds_(find_kinds(state.particles, most_kinds)),
+          edges_(state.box.cell().diagonal()),
+          grid_(make_grid(edges_, table.range(), std::max(cell_width, table.range()),
+                          static_cast<int>(8 * sizeof(Fixed)))),
+          beads_(static_cast<std::size_t>(state.particles.count())),
+          sorted_(beads_ + padding),
+          advanced_(beads_ + padding),
+          shadow_x_(beads_ + padding),
+          shadow_y_(beads_ + padding),
+          shadow_z_(beads_ + padding),
+          cell_of_(beads_),
+          row_start_(static_cast<std::size_t>(grid_.cells()) + 1),
+          timestep_(settings.timestep),
+          has_drag_(settings.drag && table.has_drag()) {
+        const double range = momentum_range(kinds_, table, settings.thermal_energy);
+        // The upper half of the numbers' range stays free to detect overflow.
+        constexpr int bits = sizeof(Fixed) == 4 ? 30 : 50;
+        momentum_unit_ = std::ldexp(1.0, std::ilogb(range) + 1 - bits);
+        // Momenta are kept along box axes in units that are proportional to the edges, so that one constant for each
+        // kind turns momentum into fixed-point distance.
+        longest_ = edges_.maxCoeff();
+        fill_rows(table, settings);
+    }
+
+    void start(State& state, const StepSettings& settings, PairTotals& totals) override;
+    void run(State& state, const StepSettings& settings, std::uint64_t steps, PairTotals& totals) override;
+
+  private:
+    using Fixed = typename Record::Fixed;
+    using Arithmetic = typename Record::Arithmetic;
+
+    void fill_rows(const PairTable& table, const StepSettings& settings);
+    void take(State& state, const StepSettings& settings, bool with_impulses);
+    void give_motion(State& state);
+    void give_forces(State& state);
+    void passes(State& state, const StepSettings& settings, std::uint64_t steps, PairTotals& totals);
+    PassArguments<Record> arguments(State& state);
+    void set_word_key(PassArguments<Record>& a, const StepSettings& settings, std::uint64_t step);
+    void observe_totals(PairTotals& totals) const;
+    void prefix_sums();
+    void sort_part(std::size_t part);
+    void order_cells(std::int32_t begin, std::int32_t end);
+    [[nodiscard]] std::int32_t first_place(int part, int parts) const;
+    [[nodiscard]] int thread_count() const;
+
+    void cast_shadow(const Record& bead, std::int32_t place) {
+        shadow_x_.data()[place] = static_cast<std::uint8_t>(bead.x >> grid_.shadow_shift[0]);
+        shadow_y_.data()[place] = static_cast<std::uint8_t>(bead.y >> grid_.shadow_shift[1]);
+        shadow_z_.data()[place] = static_cast<std::uint8_t>(bead.z >> grid_.shadow_shift[2]);
+    }
+
+    Pass<Record> pass_of(Variant variant) const {
+        if constexpr (std::is_same_v<Record, MixedRecord>) {
+            return passes_.mixed(variant);
+        } else {
+            return passes_.in_double(variant);
+        }
+    }
+
+    [[noreturn]] static void report_range(std::uint64_t step, Eigen::Index bead) {
+        const std::string who = bead < 0 ? "a bead" : "bead " + std::to_string(bead + 1);
+        throw RunFailure(
+            "step " + std::to_string(step) + ": the momentum of " + who +
+            " left its range, 40 times the thermal one; the timestep is too long for the forces, or precision "
+            "reference is needed, which has no such range");
+    }
+
+    double axis_unit(Eigen::Index axis) const { return momentum_unit_ * edges_[axis] / longest_; }
+
+    const Passes& passes_;
+    Kinds kinds_;
+    Vector3 edges_;
+    Grid grid_;
+    std::size_t beads_;
+    AlignedArray<Record> sorted_;
+    AlignedArray<Record> advanced_;
+    AlignedArray<std::uint8_t> shadow_x_;
+    AlignedArray<std::uint8_t> shadow_y_;
+    AlignedArray<std::uint8_t> shadow_z_;
+    AlignedArray<std::int32_t> cell_of_;
+    AlignedArray<std::int32_t> row_start_;
+    std::array<PairRow<Arithmetic>, most_kinds> rows_{};
+    std::array<Arithmetic, most_kinds> inverse_mass_{};
+    std::array<Arithmetic, most_kinds> drift_{};
+    std::vector<std::vector<std::int32_t>> histograms_;
+    std::vector<std::int32_t> part_;  // beads part_[t] … part_[t + 1] of `advanced_` belong to thread t
+    std::vector<std::int64_t> impulses_;
+    std::vector<double> observed_;  // observed_numbers a row of cells
+    double momentum_unit_ = 0.0;    // along the longest edge
+    double longest_ = 0.0;
+    double timestep_;
+    bool has_drag_;
+};
+
+// Constants of every pair of kinds; see arguments.hpp for their scale.
+template <class Record>
+void FluidOf<Record>::fill_rows(const PairTable& table, const StepSettings& settings) {
+    const double fixed_range = std::ldexp(1.0, static_cast<int>(8 * sizeof(Fixed)));
+    const double impulse = settings.timestep * longest_ / (momentum_unit_ * fixed_range);
+    const bool one_kind = kinds_.list.size() == 1;
+    const double velocity = momentum_unit_ * fixed_range / longest_ / (one_kind ? kinds_.list.front().mass : 1.0);
+    const double noise = word_to_noise / std::sqrt(settings.timestep);
+    for (std::size_t i = 0; i < kinds_.list.size(); ++i) {
+        const Kinds::Kind& a = kinds_.list[i];
+        inverse_mass_[i] = static_cast<Arithmetic>(a.frozen ? 0.0 : 1.0 / a.mass);
+        drift_[i] = static_cast<Arithmetic>(a.frozen ? 0.0
+                                                     : momentum_unit_ * settings.timestep / (a.mass * longest_) *
+                                                           std::ldexp(1.0, Record::position_bits));
+        for (std::size_t j = 0; j < kinds_.list.size(); ++j) {
+            const Kinds::Kind& b = kinds_.list[j];
+            const std::uint32_t term = table.term(a.species, b.species);
+            const PairTable::SoftLaw law = table.soft_law(term);
+            const PairDrag& drag = table.drags()[term];
+            const bool dragged = has_drag_ && drag.drag > 0.0;
+            const double cutoff = law.cutoff > 0.0 ? law.cutoff : dragged ? drag.cutoff : table.range();
+            rows_[i].inverse_cutoff[j] = static_cast<Arithmetic>(1.0 / cutoff);
+            if (a.frozen && b.frozen) {
+                continue;
+            }
+            rows_[i].repulsion[j] = static_cast<Arithmetic>(impulse * law.repulsion);
+            rows_[i].energy[j] = static_cast<Arithmetic>(0.5 * law.repulsion * law.cutoff);
+            rows_[i].drag[j] = static_cast<Arithmetic>(dragged ? impulse * drag.drag * velocity : 0.0);
+            rows_[i].noise[j] = static_cast<Arithmetic>(dragged ? impulse * drag.noise * noise : 0.0);
+        }
+    }
+}
+
+// Reads the state into records. With impulses, the state is at the end of an earlier chunk, and the beads are advanced
+// to the first positions at which new impulses are needed.
+template <class Record>
+void FluidOf<Record>::take(State& state, const StepSettings& settings, bool with_impulses) {
+    Particles& particles = state.particles;
+    const double timestep = settings.timestep;
+    const double largest = std::ldexp(1.0, static_cast<int>(8 * sizeof(Fixed)) - 2);
+    histograms_.assign(1, std::vector<std::int32_t>(static_cast<std::size_t>(grid_.cells()), 0));
+    part_ = {0, static_cast<std::int32_t>(beads_)};
+    PassArguments<Record> step = arguments(state);
+    set_word_key(step, settings, with_impulses ? state.step + 1 : state.step);
+    const auto beads = static_cast<Eigen::Index>(beads_);
+    Record* records = advanced_.data();
+    for (Eigen::Index i = 0; i < beads; ++i) {
+        const auto id = static_cast<std::size_t>(i);
+        const std::uint8_t kind = kinds_.of_bead[id];
+        Record& bead = records[i];
+        bead = Record{};
+        bead.tag = (static_cast<std::uint32_t>(kind) << kind_shift) | static_cast<std::uint32_t>(i);
+        std::array<Fixed*, 3> position{&bead.x, &bead.y, &bead.z};
+        std::array<Fixed*, 3> momentum{&bead.px, &bead.py, &bead.pz};
+        for (Eigen::Index axis = 0; axis < 3; ++axis) {
+            const auto k = static_cast<std::size_t>(axis);
+            const double scale = std::ldexp(1.0, Record::position_bits) / edges_[axis];
+            constexpr int unused_bits = static_cast<int>(8 * sizeof(Fixed)) - Record::position_bits;
+            const std::int64_t rounded = std::llrint(particles.position(i, axis) * scale);
+            // The upper face is the lower one of the next image.
+            if (rounded == std::int64_t{1} << (Record::position_bits - 1)) {
+                particles.position(i, axis) -= edges_[axis];
+                ++particles.image(i, axis);
+            }
+            *position[k] = static_cast<Fixed>(static_cast<std::uint64_t>(rounded) << unused_bits);
+            if (!kinds_.list[kind].frozen) {
+                const double unit = axis_unit(axis);
+                // Velocities of a state are those of whole steps: half an impulse ahead of the leapfrog's momentum.
+                const double impulse = with_impulses ? std::rint(particles.force(i, axis) * timestep / unit) : 0.0;
+                const double exact = particles.velocity(i, axis) * particles.mass[id] / unit - 0.5 * impulse;
+                if (!(std::abs(exact) < largest)) {
+                    report_range(state.step, i);
+                }
+                *momentum[k] = static_cast<Fixed>(std::llrint(exact));
+            }
+        }
+        if (with_impulses) {
+            std::array<Fixed, 4> impulse{};
+            for (Eigen::Index axis = 0; axis < 3; ++axis) {
+                impulse[static_cast<std::size_t>(axis)] =
+                    static_cast<Fixed>(std::llrint(particles.force(i, axis) * timestep / axis_unit(axis)));
+            }
+            const Record before = bead;
+            plain::advance_bead(step, before, impulse.data(), bead);
+        }
+        bead.word = bead_word(static_cast<std::uint32_t>(i), step.word_key);
+        const std::int32_t cell = plain::cell_of(step, bead);
+        cell_of_.data()[i] = cell;
+        ++histograms_.front()[static_cast<std::size_t>(cell)];
+    }
+    if (step.overflow != 0) {
+        report_range(state.step, -1);
+    }
+}
+
+// Writes positions and velocities of the whole step back.
+template <class Record>
+void FluidOf<Record>::give_motion(State& state) {
+    Particles& particles = state.particles;
+    const Record* records = sorted_.data();
+    for (std::size_t place = 0; place < beads_; ++place) {
+        const Record& bead = records[place];
+        const std::size_t id = bead.tag & id_mask;
+        const auto i = static_cast<Eigen::Index>(id);
+        if (kinds_.list[bead.tag >> kind_shift].frozen) {
+            continue;
+        }
+        const std::array<Fixed, 3> position{bead.x, bead.y, bead.z};
+        const std::array<Fixed, 3> momentum{bead.px, bead.py, bead.pz};
+        for (Eigen::Index axis = 0; axis < 3; ++axis) {
+            const auto k = static_cast<std::size_t>(axis);
+            constexpr int unused_bits = static_cast<int>(8 * sizeof(Fixed)) - Record::position_bits;
+            particles.position(i, axis) = static_cast<double>(position[k] >> unused_bits) *
+                                          (edges_[axis] * std::ldexp(1.0, -Record::position_bits));
+            const double whole = static_cast<double>(momentum[k]) + 0.5 * static_cast<double>(impulses_[3 * id + k]);
+            particles.velocity(i, axis) = whole * axis_unit(axis) / particles.mass[id];
+        }
+    }
+}
+
+template <class Record>
+void FluidOf<Record>::give_forces(State& state) {
+    Particles& particles = state.particles;
+    for (Eigen::Index i = 0; i < particles.count(); ++i) {
+        const auto id = static_cast<std::size_t>(i);
+        const bool frozen = particles.frozen[id] != 0;
+        for (Eigen::Index axis = 0; axis < 3; ++axis) {
+            const auto impulse = static_cast<double>(impulses_[3 * id + static_cast<std::size_t>(axis)]);
+            particles.force(i, axis) = frozen ? 0.0 : impulse * axis_unit(axis) / timestep_;
+        }
+    }
+}
+
+template <class Record>
+PassArguments<Record> FluidOf<Record>::arguments(State& state) {
+    PassArguments<Record> a{};
+    a.sorted = sorted_.data();
+    a.advanced = advanced_.data();
+    a.shadow_x = shadow_x_.data();
+    a.shadow_y = shadow_y_.data();
+    a.shadow_z = shadow_z_.data();
+    a.row_start = row_start_.data();
+    a.row_rank = grid_.row_rank.data();
+    a.row_at = grid_.row_at.data();
+    a.cells_x = grid_.counts[0];
+    a.rows_y = grid_.counts[1];
+    a.rows_z = grid_.counts[2];
+    a.distance_x = grid_.distance[0].data();
+    a.distance_y = grid_.distance[1].data();
+    a.distance_z = grid_.distance[2].data();
+    a.threshold = grid_.threshold;
+    const Vector3 length = edges_ * std::ldexp(1.0, -static_cast<int>(8 * sizeof(Fixed)));
+    a.metric_x = static_cast<Arithmetic>(length[0] * length[0]);
+    a.metric_y = static_cast<Arithmetic>(length[1] * length[1]);
+    a.metric_z = static_cast<Arithmetic>(length[2] * length[2]);
+    a.rows = rows_.data();
+    a.inverse_mass = inverse_mass_.data();
+    a.drift = drift_.data();
+    a.images = state.particles.image.data();
+    a.cell_of = cell_of_.data();
+    a.impulses = impulses_.data();
+    return a;
+}
+
+// The random words made from now on belong to this step.
+template <class Record>
+void FluidOf<Record>::set_word_key(PassArguments<Record>& a, const StepSettings& settings, std::uint64_t step) {
+    const auto key = bead_word_key(settings.seed, step);
+    std::copy(key.begin(), key.end(), a.word_key);
+}
+
+template <class Record>
+int FluidOf<Record>::thread_count() const {
+    const auto useful = static_cast<int>(std::max<std::size_t>(1, beads_ / beads_a_thread));
+    return std::min({thread_limit(), useful, grid_.rows()});
+}
+
+// Starts of all cells for every thread's beads: stable in the threads' order, which is that of the beads.
+template <class Record>
+void FluidOf<Record>::prefix_sums() {
+    std::int32_t* start = row_start_.data();
+    std::int32_t sum = 0;
+    for (std::size_t cell = 0; cell < static_cast<std::size_t>(grid_.cells()); ++cell) {
+        start[cell] = sum;
+        for (std::vector<std::int32_t>& histogram : histograms_) {
+            const std::int32_t beads = histogram[cell];
+            histogram[cell] = sum;
+            sum += beads;
+        }
+    }
+    start[grid_.cells()] = sum;
+}
+
+template <class Record>
+void FluidOf<Record>::sort_part(std::size_t part) {
+    std::int32_t* next = histograms_[part].data();
+    const Record* from = advanced_.data();
+    Record* to = sorted_.data();
+    for (std::int32_t i = part_[part]; i < part_[part + 1]; ++i) {
+        const std::int32_t place = next[cell_of_.data()[i]]++;
+        to[place] = from[i];
+        cast_shadow(from[i], place);
+    }
+}
+
+// Puts the beads of each cell into the order of their ids. Forces do not depend on the order, but the sums of an
+// observed step are floating-point ones: with one order they are the same to the bit however a run was cut into chunks.
+template <class Record>
+void FluidOf<Record>::order_cells(std::int32_t begin, std::int32_t end) {
+    const std::int32_t* start = row_start_.data();
+    for (std::int32_t cell = begin * grid_.counts[0]; cell < end * grid_.counts[0]; ++cell) {
+        Record* first = sorted_.data() + start[cell];
+        Record* last = sorted_.data() + start[cell + 1];
+        std::sort(first, last, [](const Record& a, const Record& b) { return (a.tag & id_mask) < (b.tag & id_mask); });
+        for (std::int32_t i = start[cell]; i < start[cell + 1]; ++i) {
+            cast_shadow(sorted_.data()[i], i);
+        }
+    }
+}
+
+// The place at which a part's rows begin when beads are shared out evenly.
+template <class Record>
+std::int32_t FluidOf<Record>::first_place(int part, int parts) const {
+    if (part == parts) {
+        return grid_.rows();
+    }
+    const auto target = static_cast<std::int32_t>(static_cast<std::int64_t>(beads_) * part / parts);
+    std::int32_t low = 0;
+    std::int32_t high = grid_.rows();
+    while (low < high) {
+        const std::int32_t middle = (low + high) / 2;
+        if (row_start_.data()[static_cast<std::int64_t>(middle) * grid_.counts[0]] < target) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+template <class Record>
+void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::uint64_t steps, PairTotals& totals) {
+    const bool one_kind = kinds_.list.size() == 1;
+    const Pass<Record> inner = pass_of({one_kind, has_drag_, false, false});
+    const Pass<Record> last = pass_of({one_kind, has_drag_, true, true});
+    impulses_.resize(3 * beads_);
+    observed_.assign(static_cast<std::size_t>(grid_.rows()) * observed_numbers, 0.0);
+    std::uint64_t overflow = 0;
+    const int asked = thread_count();
+    int parts = 1;
+#ifdef _OPENMP
+#pragma omp parallel num_threads(asked)
+#endif
+    {
+        const int part = thread_number();
+#ifdef _OPENMP
+#pragma omp single
+        parts = omp_get_num_threads();
+#endif
+        PassArguments<Record> a = arguments(state);
+        a.observed = observed_.data();
+        for (std::uint64_t k = 1; k <= steps; ++k) {
+#ifdef _OPENMP
+#pragma omp single
+#endif
+            prefix_sums();
+            const auto written = histograms_.size();
+            for (auto source = static_cast<std::size_t>(part); source < written;
+                 source += static_cast<std::size_t>(parts)) {
+                sort_part(source);
+            }
+#ifdef _OPENMP
+#pragma omp barrier
+#pragma omp single
+#endif
+            {
+                histograms_.resize(static_cast<std::size_t>(parts));
+                part_.assign(static_cast<std::size_t>(parts) + 1, 0);
+            }
+            std::vector<std::int32_t>& histogram = histograms_[static_cast<std::size_t>(part)];
+            histogram.assign(static_cast<std::size_t>(grid_.cells()), 0);
+            const std::int32_t begin = first_place(part, parts);
+            const std::int32_t end = first_place(part + 1, parts);
+            part_[static_cast<std::size_t>(part) + 1] =
+                row_start_.data()[static_cast<std::int64_t>(end) * grid_.counts[0]];
+            a.histogram = histogram.data();
+            if (k == steps) {
+                order_cells(begin, end);
+#ifdef _OPENMP
+#pragma omp barrier
+#endif
+            }
+            set_word_key(a, settings, state.step + k + 1);
+            (k < steps ? inner : last)(a, begin, end);
+#ifdef _OPENMP
+#pragma omp barrier
+#endif
+        }
+#ifdef _OPENMP
+#pragma omp critical
+#endif
+        overflow |= a.overflow;
+    }
+    if (overflow != 0) {
+        report_range(state.step + steps, -1);
+    }
+    observe_totals(totals);
+}
+
+template <class Record>
+void FluidOf<Record>::start(State& state, const StepSettings& settings, PairTotals& totals) {
+    take(state, settings, false);
+    passes(state, settings, 1, totals);
+    // Positions and velocities stay as they are given: rounding them here would make a restart differ.
+    give_forces(state);
+}
+
+template <class Record>
+void FluidOf<Record>::run(State& state, const StepSettings& settings, std::uint64_t steps, PairTotals& totals) {
+    if (steps == 0) {
+        return;
+    }
+    take(state, settings, true);
+    passes(state, settings, steps, totals);
+    give_motion(state);
+    give_forces(state);
+    state.step += steps;
+    for (std::uint64_t k = 0; k < steps; ++k) {
+        state.time += settings.timestep;  // one addition a step, as everywhere, so that times agree to the bit
+    }
+}
+
+template <class Record>
+void FluidOf<Record>::observe_totals(PairTotals& totals) const {
+    std::array<double, observed_numbers> sum{};
+    for (std::size_t k = 0; k < observed_.size(); ++k) {
+        sum[k % observed_numbers] += observed_[k];
+    }
+    totals = PairTotals();
+    totals.energy = 0.5 * sum[0];
+    const double fixed_range = std::ldexp(1.0, static_cast<int>(8 * sizeof(Fixed)));
+    const Vector3 length = edges_ / fixed_range;
+    const double impulse = timestep_ * longest_ / (momentum_unit_ * fixed_range);
+    constexpr std::array<std::array<Eigen::Index, 2>, 6> axes{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
+    std::size_t first = 1;
+    for (Matrix3* tensor : {&totals.conservative, &totals.drag, &totals.noise}) {
+        for (std::size_t k = 0; k < 6; ++k) {
+            const auto [row, column] = axes[k];
+            const double value = 0.5 * sum[first + k] * length[row] * length[column] / impulse;
+            (*tensor)(row, column) = value;
+            (*tensor)(column, row) = value;
+        }
+        first += 6;
+    }
+}
+
+}  // namespace
+
+std::string refusal(const Box& box, const Particles& particles, const PairTable& table, const StepSettings& settings,
+                    bool has_external_fields) {
+    const Matrix3& cell = box.cell();
+    const Matrix3 diagonal = cell.diagonal().asDiagonal();
+    const std::array<bool, 3>& periodic = box.periodic();
+    if (!(periodic[0] && periodic[1] && periodic[2])) {
+        return "the box is open along an axis";
+    }
+    if (cell != diagonal || !(cell.diagonal().minCoeff() > 0.0)) {
+        return "the cell is not orthorhombic";
+    }
+    if (has_external_fields) {
+        return "there is an external field";
+    }
+    if (!table.is_soft()) {
+        return "a pair law is not the soft repulsion dpd, or its drag ends elsewhere";
+    }
+    if (!(table.range() > 0.0)) {
+        return "nothing interacts";
+    }
+    if (!(cell.diagonal().minCoeff() >= 4.0 * table.range())) {
+        return "the box is shorter than four cutoffs";
+    }
+    // Positions are fractions of the box of 32 or 48 bits.
+    const double longest = settings.precision == Precision::mixed ? 512.0 : 2048.0;
+    if (cell.diagonal().maxCoeff() > longest * table.range()) {
+        return "the box is too long for fixed-point positions";
+    }
+    if (box.volume() / std::pow(table.range(), 3) > 4096.0 + 8.0 * static_cast<double>(particles.count())) {
+        return "the box is nearly empty";
+    }
+    if (settings.drag && (settings.weight_exponent != 2.0 || settings.prediction != 0.5)) {
+        return "the weight exponent is not 2 or lambda is not 1/2";
+    }
+    if (settings.remove_drift) {
+        return "the drift is removed in every step";
+    }
+    if (settings.force_cap > 0.0 && settings.equilibration_steps > 0) {
+        return "forces are capped";
+    }
+    if (particles.count() >= static_cast<Eigen::Index>(id_mask)) {
+        return "there are too many beads";
+    }
+    const Kinds kinds = find_kinds(particles, most_kinds);
+    if (kinds.list.empty()) {
+        return "there are no beads, or more than 16 combinations of species, mass and frozen";
+    }
+    if (!(momentum_range(kinds, table, settings.thermal_energy) > 0.0)) {
+        return "there is neither a temperature nor a repulsion to choose a range of momenta from";
+    }
+    return {};
+}
+
+std::unique_ptr<Fluid> make_fluid(const State& state, const PairTable& table, const StepSettings& settings,
+                                  const Passes& passes, bool mixed, double cell_width) {
+    if (mixed) {
+        return std::make_unique<FluidOf<MixedRecord>>(state, table, settings, passes, cell_width);
+    }
+    return std::make_unique<FluidOf<DoubleRecord>>(state, table, settings, passes, cell_width);
+}
+
+const Passes& chosen_passes() {
+    const char* wish = std::getenv("PYDLPOLY_SIMD");
+    const std::string name = wish == nullptr ? "" : wish;
+    const Passes* best = avx512_passes() != nullptr ? avx512_passes()
+                         : avx2_passes() != nullptr ? avx2_passes()
+                                                    : &plain_passes();
+    if (name.empty()) {
+        return *best;
+    }
+    const Passes* chosen = name == "plain"    ? &plain_passes()
+                           : name == "avx2"   ? avx2_passes()
+                           : name == "avx512" ? avx512_passes()
+                                              : nullptr;
+    if (chosen == nullptr) {
+        throw std::invalid_argument("PYDLPOLY_SIMD is '" + name +
+                                    "'; expected plain, avx2 or avx512, as far as this processor has them");
+    }
+    return *chosen;
+}
+
+}  // namespace dlpoly::fast

@@ -1,0 +1,205 @@
+// The pass over all pairs with vectors; see pass.hpp for its phases and arguments.hpp for its numbers.
+//
+// `Lanes` hides the instruction set. It works on `width` pairs at a time and provides
+//   types      Real, Fixed (a fixed-point number a lane), Sum (a running integer sum a lane), Word, Tag, Mask
+//   loading    Neighbours load(records, offsets, accepted): records of the next `width` accepted candidates, transposed
+//   search     accept(...): the candidates of a block that may be in range of a bead, as their numbers
+//   words      bead_words(...): the beads' next random words
+//   arithmetic the few operations used below
+#pragma once
+
+#include "fast/pass.hpp"
+
+namespace dlpoly::fast::DLPOLY_SIMD {
+
+// Copies the shadows of all candidates of a block next to each other. Returns how many there are and where the block's
+// first bead stands among them, or −1 when they are too many for the buffers.
+template <class Lanes, class Record>
+inline int collect(const PassArguments<Record>& a, Workspace<Record>& work, const Candidates& candidates, int block,
+                   int32_t first_bead, int* self) {
+    int total = 0;
+    for (int s = 0; s < candidates.count; ++s) {
+        total += candidates.spans[s].end - candidates.spans[s].begin;
+    }
+    if (total > most_candidates) {
+        return -1;
+    }
+    const int at = block * candidate_stride;
+    int count = 0;
+    for (int s = 0; s < candidates.count; ++s) {
+        const Span span = candidates.spans[s];
+        if (first_bead >= span.begin && first_bead < span.end) {
+            *self = count + (first_bead - span.begin);
+        }
+        const int length = span.end - span.begin;
+        // Whole vectors are copied; what they write past the span is overwritten by the next one.
+        for (int k = 0; k < length; k += Lanes::copy_width) {
+            Lanes::copy_shadows(a, span.begin + k, work.x + at + count + k, work.y + at + count + k,
+                                work.z + at + count + k, work.offset + at + count + k);
+        }
+        count += length;
+    }
+    return count;
+}
+
+// Impulse of all accepted neighbours on one bead.
+template <class Lanes, bool one_kind, bool drag, bool observe, class Record>
+inline void sum_pairs(const PassArguments<Record>& a, const Record& bead, const uint32_t* offsets,
+                      const uint8_t* accepted, int count, typename Record::Fixed* impulse, double* observed) {
+    using Real = typename Lanes::Real;
+    using Sum = typename Lanes::Sum;
+    const uint32_t kind = one_kind ? 0 : bead.tag >> kind_shift;
+    const PairRow<typename Record::Arithmetic>& row = a.rows[kind];
+    const auto self = Lanes::broadcast(bead);
+    const auto table = Lanes::template tables<one_kind>(row, a.inverse_mass);
+    const Real one = Lanes::all(1);
+    const Real metric_x = Lanes::all(a.metric_x);
+    const Real metric_y = Lanes::all(a.metric_y);
+    const Real metric_z = Lanes::all(a.metric_z);
+    Real velocity_x, velocity_y, velocity_z;
+    if constexpr (drag && !one_kind) {
+        const Real inverse_mass = Lanes::all(a.inverse_mass[kind]);
+        velocity_x = Lanes::multiply(Lanes::real(self.px), inverse_mass);
+        velocity_y = Lanes::multiply(Lanes::real(self.py), inverse_mass);
+        velocity_z = Lanes::multiply(Lanes::real(self.pz), inverse_mass);
+    }
+    Sum sum_x = Lanes::no_sum(), sum_y = Lanes::no_sum(), sum_z = Lanes::no_sum();
+    Real seen[observe ? observed_numbers : 1];
+    if constexpr (observe) {
+        for (Real& number : seen) {
+            number = Lanes::all(0);
+        }
+    }
+    for (int k = 0; k < count; k += Lanes::width) {
+        const auto other = Lanes::load(a.sorted, offsets, accepted + k);
+        const Real dx = Lanes::difference(self.x, other.x);
+        const Real dy = Lanes::difference(self.y, other.y);
+        const Real dz = Lanes::difference(self.z, other.z);
+        const Real ex = Lanes::multiply(metric_x, dx);
+        const Real ey = Lanes::multiply(metric_y, dy);
+        const Real ez = Lanes::multiply(metric_z, dz);
+        const Real distance_squared = Lanes::multiply_add(ex, dx, Lanes::multiply_add(ey, dy, Lanes::multiply(ez, dz)));
+        const Real inverse = Lanes::inverse_root(distance_squared);
+        const Real distance = Lanes::multiply(distance_squared, inverse);
+        const auto pair = Lanes::template look_up<one_kind, drag, observe>(table, other.tag);
+        const Real w = Lanes::negative_multiply_add(distance, pair.inverse_cutoff, one);
+        const auto inside = Lanes::positive(w, count - k);
+        const Real slope = Lanes::multiply(w, inverse);
+        Real strength = pair.repulsion;
+        Real drag_part, noise_part;
+        if constexpr (drag) {
+            Real vx, vy, vz;
+            if constexpr (one_kind) {
+                vx = Lanes::difference(self.px, other.px);
+                vy = Lanes::difference(self.py, other.py);
+                vz = Lanes::difference(self.pz, other.pz);
+            } else {
+                vx = Lanes::negative_multiply_add(Lanes::real(other.px), pair.inverse_mass, velocity_x);
+                vy = Lanes::negative_multiply_add(Lanes::real(other.py), pair.inverse_mass, velocity_y);
+                vz = Lanes::negative_multiply_add(Lanes::real(other.pz), pair.inverse_mass, velocity_z);
+            }
+            const Real approach = Lanes::multiply_add(ex, vx, Lanes::multiply_add(ey, vy, Lanes::multiply(ez, vz)));
+            const Real zeta = Lanes::noise(self.word, other.word);
+            const Real damping = Lanes::multiply(Lanes::multiply(pair.drag, w), Lanes::multiply(approach, inverse));
+            if constexpr (observe) {
+                drag_part = Lanes::subtract(Lanes::all(0), damping);
+                noise_part = Lanes::multiply(pair.noise, zeta);
+            }
+            strength = Lanes::subtract(Lanes::multiply_add(pair.noise, zeta, pair.repulsion), damping);
+        }
+        const Real factor = Lanes::multiply_where(inside, strength, slope);
+        sum_x = Lanes::add_nearest(sum_x, Lanes::multiply(factor, dx));
+        sum_y = Lanes::add_nearest(sum_y, Lanes::multiply(factor, dy));
+        sum_z = Lanes::add_nearest(sum_z, Lanes::multiply(factor, dz));
+        if constexpr (observe) {
+            seen[0] = Lanes::add(seen[0], Lanes::multiply_where(inside, pair.energy, Lanes::multiply(w, w)));
+            const Real products[6] = {Lanes::multiply(dx, dx), Lanes::multiply(dy, dy), Lanes::multiply(dz, dz),
+                                      Lanes::multiply(dx, dy), Lanes::multiply(dx, dz), Lanes::multiply(dy, dz)};
+            const Real part = Lanes::multiply_where(inside, pair.repulsion, slope);
+            for (int n = 0; n < 6; ++n) {
+                seen[1 + n] = Lanes::multiply_add(part, products[n], seen[1 + n]);
+            }
+            if constexpr (drag) {
+                const Real damped = Lanes::multiply_where(inside, drag_part, slope);
+                const Real shaken = Lanes::multiply_where(inside, noise_part, slope);
+                for (int n = 0; n < 6; ++n) {
+                    seen[7 + n] = Lanes::multiply_add(damped, products[n], seen[7 + n]);
+                    seen[13 + n] = Lanes::multiply_add(shaken, products[n], seen[13 + n]);
+                }
+            }
+        }
+    }
+    Lanes::store_sums(sum_x, sum_y, sum_z, impulse);
+    if constexpr (observe) {
+        for (int n = 0; n < observed_numbers; ++n) {
+            observed[n] += Lanes::total(seen[n]);
+        }
+    }
+}
+
+template <class Lanes, class Record, bool one_kind, bool drag, bool observe, bool last_step>
+void vector_pass(PassArguments<Record>& a, int32_t first_place, int32_t last_place) {
+    static thread_local Workspace<Record> work;
+    const auto search = Lanes::search_tables(a);
+    for (int32_t place = first_place; place < last_place; ++place) {
+        int32_t rows[9];
+        neighbour_rows(a, place, rows);
+        double* observed = observe ? a.observed + static_cast<int64_t>(place) * observed_numbers : nullptr;
+        const int32_t* start = a.row_start + static_cast<int64_t>(place) * a.cells_x;
+        int32_t first = 0;
+        while (first < a.cells_x) {
+            // A piece: as many blocks as the buffers hold.
+            int blocks = 0;
+            int32_t block_first[blocks_a_piece + 1];
+            int block_count[blocks_a_piece], block_self[blocks_a_piece];
+            const int32_t begin = start[first];
+            int32_t cell = first;
+            block_first[0] = first;
+            while (blocks < blocks_a_piece && cell < a.cells_x) {
+                const int32_t next = cell + cells_a_block < a.cells_x ? cell + cells_a_block : a.cells_x;
+                if (start[next] - begin > most_beads) {
+                    break;
+                }
+                block_self[blocks] = 0;
+                block_count[blocks] = collect<Lanes>(a, work, candidates_of(a, rows, cell, next), blocks, start[cell],
+                                                     &block_self[blocks]);
+                block_first[++blocks] = next;
+                cell = next;
+            }
+            if (blocks == 0) {
+                const int32_t next = cell + cells_a_block < a.cells_x ? cell + cells_a_block : a.cells_x;
+                direct_block<Lanes, one_kind, drag, observe, last_step>(a, work, rows, cell, next, observed);
+                first = next;
+                continue;
+            }
+            for (int b = 0; b < blocks; ++b) {
+                const int at = b * candidate_stride;
+                int self = block_self[b];
+                for (int32_t i = start[block_first[b]]; i < start[block_first[b + 1]]; ++i, ++self) {
+                    const int n = i - begin;
+                    work.accepted_count[n] =
+                        block_count[b] < 0 ? -1
+                                           : Lanes::accept(search, a, i, work.x + at, work.y + at, work.z + at,
+                                                           block_count[b], self, work.accepted + n * accepted_stride);
+                }
+            }
+            for (int b = 0; b < blocks; ++b) {
+                for (int32_t i = start[block_first[b]]; i < start[block_first[b + 1]]; ++i) {
+                    const int n = i - begin;
+                    if (__builtin_expect(work.accepted_count[n] < 0, 0)) {
+                        const Candidates candidates = candidates_of(a, rows, block_first[b], block_first[b + 1]);
+                        direct_bead<one_kind, drag, observe>(a, candidates, i, work.impulse + 4 * n, observed);
+                    } else {
+                        sum_pairs<Lanes, one_kind, drag, observe>(
+                            a, a.sorted[i], work.offset + b * candidate_stride, work.accepted + n * accepted_stride,
+                            work.accepted_count[n], work.impulse + 4 * n, observed);
+                    }
+                }
+            }
+            finish_beads<last_step, Lanes>(a, work, begin, start[cell]);
+            first = cell;
+        }
+    }
+}
+
+}  // namespace dlpoly::fast::DLPOLY_SIMD

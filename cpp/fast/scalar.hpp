@@ -1,0 +1,59 @@
+// Scalar arithmetic of the fast path, apart for every instruction set (see pass.hpp for why).
+#pragma once
+
+#include <math.h>
+#include <stdint.h>
+
+#include "core/bead_words.hpp"
+#include "fast/arguments.hpp"
+
+namespace dlpoly::fast::DLPOLY_SIMD {
+
+template <class Fixed>
+struct UnsignedOf;
+template <>
+struct UnsignedOf<int32_t> {
+    using type = uint32_t;
+};
+template <>
+struct UnsignedOf<int64_t> {
+    using type = uint64_t;
+};
+
+// Differences and sums of fixed-point positions wrap: that is the minimum image, and must not be undefined behaviour.
+template <class Fixed>
+inline Fixed wrapped_difference(Fixed a, Fixed b) {
+    using Unsigned = typename UnsignedOf<Fixed>::type;
+    return static_cast<Fixed>(static_cast<Unsigned>(a) - static_cast<Unsigned>(b));
+}
+template <class Fixed>
+inline Fixed wrapped_sum(Fixed a, Fixed b) {
+    using Unsigned = typename UnsignedOf<Fixed>::type;
+    return static_cast<Fixed>(static_cast<Unsigned>(a) + static_cast<Unsigned>(b));
+}
+
+inline float square_root(float x) { return sqrtf(x); }
+inline double square_root(double x) { return sqrt(x); }
+inline int64_t nearest(float x) { return lrintf(x); }
+inline int64_t nearest(double x) { return llrint(x); }
+
+// Which of `count` equal cells a fixed-point position lies in; the position is an unsigned fraction of the box.
+inline int32_t cell_index(int32_t position, int32_t count) {
+    return static_cast<int32_t>(
+        (static_cast<uint64_t>(static_cast<uint32_t>(position)) * static_cast<uint32_t>(count)) >> 32);
+}
+inline int32_t cell_index(int64_t position, int32_t count) {
+    // The upper 64 bits of a 96-bit product, from two halves.
+    const uint64_t bits = static_cast<uint64_t>(position);
+    const uint64_t low = (bits & 0xFFFFFFFFU) * static_cast<uint32_t>(count);
+    const uint64_t high = (bits >> 32) * static_cast<uint32_t>(count) + (low >> 32);
+    return static_cast<int32_t>(high >> 32);
+}
+
+template <class Record>
+inline int32_t cell_of(const PassArguments<Record>& a, const Record& bead) {
+    const int32_t row = cell_index(bead.z, a.rows_z) * a.rows_y + cell_index(bead.y, a.rows_y);
+    return a.row_rank[row] * a.cells_x + cell_index(bead.x, a.cells_x);
+}
+
+}  // namespace dlpoly::fast::DLPOLY_SIMD
