@@ -114,9 +114,8 @@ class FluidOf final : public Fluid {
           timestep_(settings.timestep),
           has_drag_(settings.drag && table.has_drag()) {
         const double range = momentum_range(kinds_, table, settings.thermal_energy);
-        // The upper half of the numbers' range stays free to detect overflow.
-        constexpr int bits = sizeof(Fixed) == 4 ? 30 : 50;
-        momentum_unit_ = std::ldexp(1.0, std::ilogb(range) + 1 - bits);
+        // The numbers reach further, so that leaving the range is seen.
+        momentum_unit_ = std::ldexp(1.0, std::ilogb(range) + 1 - Record::momentum_bits);
         // Momenta are kept along box axes in units that are proportional to the edges, so that one constant for each
         // kind turns momentum into fixed-point distance.
         longest_ = edges_.maxCoeff();
@@ -232,7 +231,7 @@ template <class Record>
 void FluidOf<Record>::take(State& state, const StepSettings& settings, bool with_impulses) {
     Particles& particles = state.particles;
     const double timestep = settings.timestep;
-    const double largest = std::ldexp(1.0, static_cast<int>(8 * sizeof(Fixed)) - 2);
+    const double largest = std::ldexp(1.0, Record::momentum_bits);
     histograms_.assign(1, std::vector<std::int32_t>(static_cast<std::size_t>(grid_.cells()), 0));
     part_ = {0, static_cast<std::int32_t>(beads_)};
     PassArguments<Record> step = arguments(state);

@@ -194,10 +194,9 @@ inline void advance_bead(PassArguments<Record>& a, const Record& bead, const typ
         image[1] += cy;
         image[2] += cz;
     }
-    // The two uppermost bits of a momentum in range are equal.
     const auto out_of_range = [](Fixed p) {
-        const auto bits = static_cast<Unsigned>(p);
-        return (bits ^ (bits << 1)) >> (8 * sizeof(Fixed) - 1);
+        constexpr Unsigned range = Unsigned{1} << Record::momentum_bits;
+        return (static_cast<Unsigned>(p) + range) >> (Record::momentum_bits + 1);
     };
     a.overflow |= static_cast<uint64_t>(out_of_range(out.px) | out_of_range(out.py) | out_of_range(out.pz));
 }

@@ -94,9 +94,10 @@ inline void sum_pairs(const PassArguments<Record>& a, const Record& bead, const 
                 vy = Lanes::difference(self.py, other.py);
                 vz = Lanes::difference(self.pz, other.pz);
             } else {
-                vx = Lanes::negative_multiply_add(Lanes::real(other.px), pair.inverse_mass, velocity_x);
-                vy = Lanes::negative_multiply_add(Lanes::real(other.py), pair.inverse_mass, velocity_y);
-                vz = Lanes::negative_multiply_add(Lanes::real(other.pz), pair.inverse_mass, velocity_z);
+                // Both products are rounded: a fused one would make the difference depend on which bead is asked.
+                vx = Lanes::subtract(velocity_x, Lanes::multiply(Lanes::real(other.px), pair.inverse_mass));
+                vy = Lanes::subtract(velocity_y, Lanes::multiply(Lanes::real(other.py), pair.inverse_mass));
+                vz = Lanes::subtract(velocity_z, Lanes::multiply(Lanes::real(other.pz), pair.inverse_mass));
             }
             const Real approach = Lanes::multiply_add(ex, vx, Lanes::multiply_add(ey, vy, Lanes::multiply(ez, vz)));
             const Real zeta = Lanes::noise(self.word, other.word);
