@@ -3,6 +3,7 @@
 
 #include <immintrin.h>
 
+#include "fast/lanes_x86.hpp"
 #include "fast/pass.hpp"
 
 namespace dlpoly::fast::DLPOLY_SIMD {
@@ -12,8 +13,8 @@ template <class Record>
 struct CommonLanes {
     static constexpr int copy_width = 32;
 
-    static void copy_shadows(const PassArguments<Record>& a, int32_t from, uint8_t* x, uint8_t* y, uint8_t* z,
-                             uint32_t* offset) {
+    static DLPOLY_INLINE void copy_shadows(const PassArguments<Record>& a, int32_t from, uint8_t* x, uint8_t* y,
+                                           uint8_t* z, uint32_t* offset) {
         const auto copy = [from](const uint8_t* source, uint8_t* target) {
             _mm256_storeu_si256(reinterpret_cast<__m256i*>(target),
                                 _mm256_loadu_si256(reinterpret_cast<const __m256i*>(source + from)));
@@ -34,7 +35,7 @@ struct CommonLanes {
         __m512i x_low, x_high, y_low, y_high, z_low, z_high, threshold;
     };
 
-    static SearchTables search_tables(const PassArguments<Record>& a) {
+    static DLPOLY_INLINE SearchTables search_tables(const PassArguments<Record>& a) {
         const auto half = [](const uint8_t* table) { return _mm512_loadu_si512(table); };
         return {half(a.distance_x),
                 half(a.distance_x + 64),
@@ -46,8 +47,8 @@ struct CommonLanes {
     }
 
     // Which of 64 candidates may be in range: shadow distances, their squares from the tables, saturating sums.
-    static uint64_t near(const SearchTables& t, const uint8_t* x, const uint8_t* y, const uint8_t* z, __m512i own_x,
-                         __m512i own_y, __m512i own_z) {
+    static DLPOLY_INLINE uint64_t near(const SearchTables& t, const uint8_t* x, const uint8_t* y, const uint8_t* z,
+                                       __m512i own_x, __m512i own_y, __m512i own_z) {
         const auto square = [](const uint8_t* other, __m512i own, __m512i low, __m512i high) {
             const __m512i apart = _mm512_abs_epi8(_mm512_sub_epi8(_mm512_loadu_si512(other), own));
             return _mm512_permutex2var_epi8(low, apart, high);
@@ -60,8 +61,8 @@ struct CommonLanes {
 
     // Writes the numbers of the candidates that may be in range of bead i, which is number `self` itself.
     // Returns how many, or −1 when they are more than the list holds.
-    static int accept(const SearchTables& t, const PassArguments<Record>& a, int32_t i, const uint8_t* x,
-                      const uint8_t* y, const uint8_t* z, int count, int self, uint8_t* accepted) {
+    static DLPOLY_INLINE int accept(const SearchTables& t, const PassArguments<Record>& a, int32_t i, const uint8_t* x,
+                                    const uint8_t* y, const uint8_t* z, int count, int self, uint8_t* accepted) {
         const __m512i own_x = _mm512_set1_epi8(static_cast<char>(a.shadow_x[i]));
         const __m512i own_y = _mm512_set1_epi8(static_cast<char>(a.shadow_y[i]));
         const __m512i own_z = _mm512_set1_epi8(static_cast<char>(a.shadow_z[i]));
@@ -90,7 +91,7 @@ struct CommonLanes {
     }
 
     // Philox2x32-10 of eight ids at a time; see core/bead_words.hpp.
-    static void bead_words(const uint32_t* ids, uint32_t* words, int32_t count, const uint32_t* key) {
+    static DLPOLY_INLINE void bead_words(const uint32_t* ids, uint32_t* words, int32_t count, const uint32_t* key) {
         const __m512i multiplier = _mm512_set1_epi64(0xD256D193);
         const __m512i high_mask = _mm512_set1_epi64(static_cast<int64_t>(0xFFFFFFFF00000000ULL));
         for (int32_t k = 0; k < count; k += 8) {
@@ -116,7 +117,7 @@ struct CommonLanes {
         44, 45, 46, 47, 48, 49, 50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62, 63};
 };
 
-struct MixedLanes : CommonLanes<MixedRecord> {
+struct MixedLanes : CommonLanes<MixedRecord>, MixedAdvance {
     static constexpr int width = 16;
     using Real = __m512;
     using Fixed = __m512i;
@@ -127,7 +128,7 @@ struct MixedLanes : CommonLanes<MixedRecord> {
         __m512i x, y, z, word, px, py, pz, tag;
     };
 
-    static Beads broadcast(const MixedRecord& r) {
+    static DLPOLY_INLINE Beads broadcast(const MixedRecord& r) {
         const auto all_of = [](auto v) { return _mm512_set1_epi32(static_cast<int>(v)); };
         return {all_of(r.x),  all_of(r.y),  all_of(r.z),  all_of(r.word),
                 all_of(r.px), all_of(r.py), all_of(r.pz), all_of(r.tag)};
@@ -135,7 +136,7 @@ struct MixedLanes : CommonLanes<MixedRecord> {
 
     // 16 records of eight 32-bit numbers, turned into eight vectors. Plain loads and shuffles: hardware gathers are
     // slower.
-    static Beads load(const MixedRecord* records, const uint32_t* offsets, const uint8_t* accepted) {
+    static DLPOLY_INLINE Beads load(const MixedRecord* records, const uint32_t* offsets, const uint8_t* accepted) {
         const char* base = reinterpret_cast<const char*>(records);
         const auto record = [&](int lane) {
             return _mm256_load_ps(reinterpret_cast<const float*>(base + offsets[accepted[lane]]));
@@ -155,29 +156,29 @@ struct MixedLanes : CommonLanes<MixedRecord> {
                 momenta(low.third, high.third),   momenta(low.fourth, high.fourth)};
     }
 
-    static Real all(float v) { return _mm512_set1_ps(v); }
-    static Real real(Fixed v) { return _mm512_cvtepi32_ps(v); }
-    static Real difference(Fixed a, Fixed b) { return _mm512_cvtepi32_ps(_mm512_sub_epi32(a, b)); }
-    static Real multiply(Real a, Real b) { return _mm512_mul_ps(a, b); }
-    static Real add(Real a, Real b) { return _mm512_add_ps(a, b); }
-    static Real subtract(Real a, Real b) { return _mm512_sub_ps(a, b); }
-    static Real multiply_add(Real a, Real b, Real c) { return _mm512_fmadd_ps(a, b, c); }
-    static Real negative_multiply_add(Real a, Real b, Real c) { return _mm512_fnmadd_ps(a, b, c); }
-    static Real multiply_where(Mask m, Real a, Real b) { return _mm512_maskz_mul_ps(m, a, b); }
-    static Mask positive(Real w, int lanes) {
+    static DLPOLY_INLINE Real all(float v) { return _mm512_set1_ps(v); }
+    static DLPOLY_INLINE Real real(Fixed v) { return _mm512_cvtepi32_ps(v); }
+    static DLPOLY_INLINE Real difference(Fixed a, Fixed b) { return _mm512_cvtepi32_ps(_mm512_sub_epi32(a, b)); }
+    static DLPOLY_INLINE Real multiply(Real a, Real b) { return _mm512_mul_ps(a, b); }
+    static DLPOLY_INLINE Real add(Real a, Real b) { return _mm512_add_ps(a, b); }
+    static DLPOLY_INLINE Real subtract(Real a, Real b) { return _mm512_sub_ps(a, b); }
+    static DLPOLY_INLINE Real multiply_add(Real a, Real b, Real c) { return _mm512_fmadd_ps(a, b, c); }
+    static DLPOLY_INLINE Real negative_multiply_add(Real a, Real b, Real c) { return _mm512_fnmadd_ps(a, b, c); }
+    static DLPOLY_INLINE Real multiply_where(Mask m, Real a, Real b) { return _mm512_maskz_mul_ps(m, a, b); }
+    static DLPOLY_INLINE Mask positive(Real w, int lanes) {
         const auto used = static_cast<Mask>(lanes >= width ? 0xFFFF : (1 << lanes) - 1);
         return _mm512_mask_cmp_ps_mask(used, w, _mm512_setzero_ps(), _CMP_GT_OQ);
     }
 
     // 14 bits from the processor, doubled by one Newton step. Coincident beads get a large finite number.
-    static Real inverse_root(Real x) {
+    static DLPOLY_INLINE Real inverse_root(Real x) {
         x = _mm512_max_ps(x, _mm512_set1_ps(1e-30F));
         const Real y = _mm512_rsqrt14_ps(x);
         const Real half = _mm512_mul_ps(y, _mm512_set1_ps(0.5F));
         return _mm512_mul_ps(half, _mm512_fnmadd_ps(_mm512_mul_ps(x, y), y, _mm512_set1_ps(3.0F)));
     }
 
-    static Real noise(__m512i a, __m512i b) {
+    static DLPOLY_INLINE Real noise(__m512i a, __m512i b) {
         __m512i x = _mm512_add_epi32(a, b);
         x = _mm512_xor_si512(x, _mm512_srli_epi32(x, 16));
         x = _mm512_mullo_epi32(x, _mm512_set1_epi32(0x7feb352d));
@@ -190,7 +191,7 @@ struct MixedLanes : CommonLanes<MixedRecord> {
         __m512 repulsion, drag, noise, inverse_cutoff, energy, inverse_mass;
     };
     template <bool one_kind>
-    static Tables tables(const PairRow<float>& row, const float* inverse_mass) {
+    static DLPOLY_INLINE Tables tables(const PairRow<float>& row, const float* inverse_mass) {
         if constexpr (one_kind) {
             return {all(row.repulsion[0]),      all(row.drag[0]),   all(row.noise[0]),
                     all(row.inverse_cutoff[0]), all(row.energy[0]), all(inverse_mass[0])};
@@ -200,7 +201,7 @@ struct MixedLanes : CommonLanes<MixedRecord> {
         }
     }
     template <bool one_kind, bool drag, bool observe>
-    static Tables look_up(const Tables& t, __m512i tag) {
+    static DLPOLY_INLINE Tables look_up(const Tables& t, __m512i tag) {
         if constexpr (one_kind) {
             return t;
         } else {
@@ -220,10 +221,10 @@ struct MixedLanes : CommonLanes<MixedRecord> {
         }
     }
 
-    static Sum no_sum() { return _mm512_setzero_si512(); }
-    static Sum add_nearest(Sum sum, Real v) { return _mm512_add_epi32(sum, _mm512_cvtps_epi32(v)); }
+    static DLPOLY_INLINE Sum no_sum() { return _mm512_setzero_si512(); }
+    static DLPOLY_INLINE Sum add_nearest(Sum sum, Real v) { return _mm512_add_epi32(sum, _mm512_cvtps_epi32(v)); }
 
-    static void store_sums(Sum x, Sum y, Sum z, int32_t* out) {
+    static DLPOLY_INLINE void store_sums(Sum x, Sum y, Sum z, int32_t* out) {
         const auto fold = [](__m512i v) {
             const __m256i half = _mm256_add_epi32(_mm512_castsi512_si256(v), _mm512_extracti64x4_epi64(v, 1));
             return _mm_add_epi32(_mm256_castsi256_si128(half), _mm256_extracti128_si256(half, 1));
@@ -235,7 +236,7 @@ struct MixedLanes : CommonLanes<MixedRecord> {
                         _mm_add_epi32(_mm_unpacklo_epi64(xy, zz), _mm_unpackhi_epi64(xy, zz)));
     }
 
-    static double total(Real v) {
+    static DLPOLY_INLINE double total(Real v) {
         const __m512d wide =
             _mm512_add_pd(_mm512_cvtps_pd(_mm512_castps512_ps256(v)), _mm512_cvtps_pd(_mm512_extractf32x8_ps(v, 1)));
         return _mm512_reduce_add_pd(wide);
@@ -246,7 +247,7 @@ struct MixedLanes : CommonLanes<MixedRecord> {
         __m512 first, second, third, fourth;
     };
     // 4×4 transposition in every 128-bit part.
-    static Quarter transpose(__m512 a, __m512 b, __m512 c, __m512 d) {
+    static DLPOLY_INLINE Quarter transpose(__m512 a, __m512 b, __m512 c, __m512 d) {
         const __m512 t0 = _mm512_unpacklo_ps(a, b), t1 = _mm512_unpackhi_ps(a, b);
         const __m512 t2 = _mm512_unpacklo_ps(c, d), t3 = _mm512_unpackhi_ps(c, d);
         return {_mm512_shuffle_ps(t0, t2, 0x44), _mm512_shuffle_ps(t0, t2, 0xEE), _mm512_shuffle_ps(t1, t3, 0x44),
@@ -254,7 +255,7 @@ struct MixedLanes : CommonLanes<MixedRecord> {
     }
 };
 
-struct DoubleLanes : CommonLanes<DoubleRecord> {
+struct DoubleLanes : CommonLanes<DoubleRecord>, ScalarAdvance<DoubleRecord> {
     static constexpr int width = 8;
     using Real = __m512d;
     using Fixed = __m512i;
@@ -266,7 +267,7 @@ struct DoubleLanes : CommonLanes<DoubleRecord> {
         __m256i word, tag;
     };
 
-    static Beads broadcast(const DoubleRecord& r) {
+    static DLPOLY_INLINE Beads broadcast(const DoubleRecord& r) {
         const auto all_of = [](int64_t v) { return _mm512_set1_epi64(v); };
         return {all_of(r.x),
                 all_of(r.y),
@@ -279,7 +280,7 @@ struct DoubleLanes : CommonLanes<DoubleRecord> {
     }
 
     // Eight records of two halves: x y z (word, tag) and px py pz −, four 64-bit numbers each.
-    static Beads load(const DoubleRecord* records, const uint32_t* offsets, const uint8_t* accepted) {
+    static DLPOLY_INLINE Beads load(const DoubleRecord* records, const uint32_t* offsets, const uint8_t* accepted) {
         const char* base = reinterpret_cast<const char*>(records);
         const auto half = [&](int lane, int part) {
             return _mm256_load_pd(reinterpret_cast<const double*>(base + offsets[accepted[lane]] + 32 * part));
@@ -296,22 +297,22 @@ struct DoubleLanes : CommonLanes<DoubleRecord> {
                 _mm512_cvtepi64_epi32(both),          _mm512_cvtepi64_epi32(_mm512_srli_epi64(both, 32))};
     }
 
-    static Real all(double v) { return _mm512_set1_pd(v); }
-    static Real real(Fixed v) { return _mm512_cvtepi64_pd(v); }
-    static Real difference(Fixed a, Fixed b) { return _mm512_cvtepi64_pd(_mm512_sub_epi64(a, b)); }
-    static Real multiply(Real a, Real b) { return _mm512_mul_pd(a, b); }
-    static Real add(Real a, Real b) { return _mm512_add_pd(a, b); }
-    static Real subtract(Real a, Real b) { return _mm512_sub_pd(a, b); }
-    static Real multiply_add(Real a, Real b, Real c) { return _mm512_fmadd_pd(a, b, c); }
-    static Real negative_multiply_add(Real a, Real b, Real c) { return _mm512_fnmadd_pd(a, b, c); }
-    static Real multiply_where(Mask m, Real a, Real b) { return _mm512_maskz_mul_pd(m, a, b); }
-    static Mask positive(Real w, int lanes) {
+    static DLPOLY_INLINE Real all(double v) { return _mm512_set1_pd(v); }
+    static DLPOLY_INLINE Real real(Fixed v) { return _mm512_cvtepi64_pd(v); }
+    static DLPOLY_INLINE Real difference(Fixed a, Fixed b) { return _mm512_cvtepi64_pd(_mm512_sub_epi64(a, b)); }
+    static DLPOLY_INLINE Real multiply(Real a, Real b) { return _mm512_mul_pd(a, b); }
+    static DLPOLY_INLINE Real add(Real a, Real b) { return _mm512_add_pd(a, b); }
+    static DLPOLY_INLINE Real subtract(Real a, Real b) { return _mm512_sub_pd(a, b); }
+    static DLPOLY_INLINE Real multiply_add(Real a, Real b, Real c) { return _mm512_fmadd_pd(a, b, c); }
+    static DLPOLY_INLINE Real negative_multiply_add(Real a, Real b, Real c) { return _mm512_fnmadd_pd(a, b, c); }
+    static DLPOLY_INLINE Real multiply_where(Mask m, Real a, Real b) { return _mm512_maskz_mul_pd(m, a, b); }
+    static DLPOLY_INLINE Mask positive(Real w, int lanes) {
         const auto used = static_cast<Mask>(lanes >= width ? 0xFF : (1 << lanes) - 1);
         return _mm512_mask_cmp_pd_mask(used, w, _mm512_setzero_pd(), _CMP_GT_OQ);
     }
 
     // 14 bits from the processor, two Newton steps.
-    static Real inverse_root(Real x) {
+    static DLPOLY_INLINE Real inverse_root(Real x) {
         x = _mm512_max_pd(x, _mm512_set1_pd(1e-60));
         Real y = _mm512_rsqrt14_pd(x);
         for (int round = 0; round < 2; ++round) {
@@ -321,7 +322,7 @@ struct DoubleLanes : CommonLanes<DoubleRecord> {
         return y;
     }
 
-    static Real noise(__m256i a, __m256i b) {
+    static DLPOLY_INLINE Real noise(__m256i a, __m256i b) {
         __m256i x = _mm256_add_epi32(a, b);
         x = _mm256_xor_si256(x, _mm256_srli_epi32(x, 16));
         x = _mm256_mullo_epi32(x, _mm256_set1_epi32(0x7feb352d));
@@ -340,7 +341,7 @@ struct DoubleLanes : CommonLanes<DoubleRecord> {
         __m512d repulsion, drag, noise, inverse_cutoff, energy, inverse_mass;
     };
     template <bool one_kind>
-    static Tables tables(const PairRow<double>& row, const double* inverse_mass) {
+    static DLPOLY_INLINE Tables tables(const PairRow<double>& row, const double* inverse_mass) {
         const auto table = [](const double* values) -> Table {
             if constexpr (one_kind) {
                 return {all(values[0]), all(values[0])};
@@ -352,7 +353,7 @@ struct DoubleLanes : CommonLanes<DoubleRecord> {
                 table(row.inverse_cutoff), table(row.energy), table(inverse_mass)};
     }
     template <bool one_kind, bool drag, bool observe>
-    static Pairs look_up(const Tables& t, __m256i tag) {
+    static DLPOLY_INLINE Pairs look_up(const Tables& t, __m256i tag) {
         if constexpr (one_kind) {
             return {t.repulsion.low, t.drag.low, t.noise.low, t.inverse_cutoff.low, t.energy.low, t.inverse_mass.low};
         } else {
@@ -375,23 +376,23 @@ struct DoubleLanes : CommonLanes<DoubleRecord> {
         }
     }
 
-    static Sum no_sum() { return _mm512_setzero_si512(); }
-    static Sum add_nearest(Sum sum, Real v) { return _mm512_add_epi64(sum, _mm512_cvtpd_epi64(v)); }
+    static DLPOLY_INLINE Sum no_sum() { return _mm512_setzero_si512(); }
+    static DLPOLY_INLINE Sum add_nearest(Sum sum, Real v) { return _mm512_add_epi64(sum, _mm512_cvtpd_epi64(v)); }
 
-    static void store_sums(Sum x, Sum y, Sum z, int64_t* out) {
+    static DLPOLY_INLINE void store_sums(Sum x, Sum y, Sum z, int64_t* out) {
         out[0] = _mm512_reduce_add_epi64(x);
         out[1] = _mm512_reduce_add_epi64(y);
         out[2] = _mm512_reduce_add_epi64(z);
     }
 
-    static double total(Real v) { return _mm512_reduce_add_pd(v); }
+    static DLPOLY_INLINE double total(Real v) { return _mm512_reduce_add_pd(v); }
 
   private:
     struct Quarter {
         __m512d first, second, third, fourth;
     };
     // Rows (0,4) (1,5) (2,6) (3,7) of four numbers each, turned into four vectors of lanes 0 … 7.
-    static Quarter transpose(__m512d a, __m512d b, __m512d c, __m512d d) {
+    static DLPOLY_INLINE Quarter transpose(__m512d a, __m512d b, __m512d c, __m512d d) {
         const __m512d t0 = _mm512_unpacklo_pd(a, b), t1 = _mm512_unpackhi_pd(a, b);
         const __m512d t2 = _mm512_unpacklo_pd(c, d), t3 = _mm512_unpackhi_pd(c, d);
         const __m512i outer = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);

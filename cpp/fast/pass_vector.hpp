@@ -15,8 +15,8 @@ namespace dlpoly::fast::DLPOLY_SIMD {
 // Copies the shadows of all candidates of a block next to each other. Returns how many there are and where the block's
 // first bead stands among them, or −1 when they are too many for the buffers.
 template <class Lanes, class Record>
-inline int collect(const PassArguments<Record>& a, Workspace<Record>& work, const Candidates& candidates, int block,
-                   int32_t first_bead, int* self) {
+DLPOLY_INLINE int collect(const PassArguments<Record>& a, Workspace<Record>& work, const Candidates& candidates,
+                          int block, int32_t first_bead, int* self) {
     int total = 0;
     for (int s = 0; s < candidates.count; ++s) {
         total += candidates.spans[s].end - candidates.spans[s].begin;
@@ -44,8 +44,8 @@ inline int collect(const PassArguments<Record>& a, Workspace<Record>& work, cons
 
 // Impulse of all accepted neighbours on one bead.
 template <class Lanes, bool one_kind, bool drag, bool observe, class Record>
-inline void sum_pairs(const PassArguments<Record>& a, const Record& bead, const uint32_t* offsets,
-                      const uint8_t* accepted, int count, typename Record::Fixed* impulse, double* observed) {
+DLPOLY_INLINE void sum_pairs(const PassArguments<Record>& a, const Record& bead, const uint32_t* offsets,
+                             const uint8_t* accepted, int count, typename Record::Fixed* impulse, double* observed) {
     using Real = typename Lanes::Real;
     using Sum = typename Lanes::Sum;
     const uint32_t kind = one_kind ? 0 : bead.tag >> kind_shift;
@@ -139,7 +139,7 @@ inline void sum_pairs(const PassArguments<Record>& a, const Record& bead, const 
 
 template <class Lanes, class Record, bool one_kind, bool drag, bool observe, bool last_step>
 void vector_pass(PassArguments<Record>& a, int32_t first_place, int32_t last_place) {
-    static thread_local Workspace<Record> work;
+    Workspace<Record>& work = *static_cast<Workspace<Record>*>(a.workspace);
     const auto search = Lanes::search_tables(a);
     for (int32_t place = first_place; place < last_place; ++place) {
         int32_t rows[9];
