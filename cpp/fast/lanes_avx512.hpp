@@ -187,53 +187,48 @@ struct MixedLanes : CommonLanes<MixedRecord>, MixedAdvance {
         return _mm512_cvtepi32_ps(x);
     }
 
-    struct Tables {
+    // Constants of pairs, one a lane; the tables behind them hold one entry a kind.
+    struct Pairs {
         __m512 repulsion, drag, noise, inverse_cutoff, energy, inverse_mass;
     };
-    template <bool one_kind>
-    static DLPOLY_INLINE Tables tables(const PairRow<float>& row, const float* inverse_mass) {
-        if constexpr (one_kind) {
-            return {all(row.repulsion[0]),      all(row.drag[0]),   all(row.noise[0]),
-                    all(row.inverse_cutoff[0]), all(row.energy[0]), all(inverse_mass[0])};
-        } else {
-            return {_mm512_loadu_ps(row.repulsion),      _mm512_loadu_ps(row.drag),   _mm512_loadu_ps(row.noise),
-                    _mm512_loadu_ps(row.inverse_cutoff), _mm512_loadu_ps(row.energy), _mm512_loadu_ps(inverse_mass)};
-        }
+    using Tables = Pairs;
+    static DLPOLY_INLINE Pairs only_pair(const PairRow<float>& row, float inverse_mass) {
+        return {all(row.repulsion[0]),      all(row.drag[0]),   all(row.noise[0]),
+                all(row.inverse_cutoff[0]), all(row.energy[0]), all(inverse_mass)};
     }
-    template <bool one_kind, bool drag, bool observe>
-    static DLPOLY_INLINE Tables look_up(const Tables& t, __m512i tag) {
-        if constexpr (one_kind) {
-            return t;
-        } else {
-            const __m512i kind = _mm512_srli_epi32(tag, kind_shift);
-            Tables result{};
-            result.repulsion = _mm512_permutexvar_ps(kind, t.repulsion);
-            result.inverse_cutoff = _mm512_permutexvar_ps(kind, t.inverse_cutoff);
-            if constexpr (drag) {
-                result.drag = _mm512_permutexvar_ps(kind, t.drag);
-                result.noise = _mm512_permutexvar_ps(kind, t.noise);
-                result.inverse_mass = _mm512_permutexvar_ps(kind, t.inverse_mass);
-            }
-            if constexpr (observe) {
-                result.energy = _mm512_permutexvar_ps(kind, t.energy);
-            }
-            return result;
+    static DLPOLY_INLINE Tables tables(const PairRow<float>& row, const float* inverse_mass) {
+        return {_mm512_loadu_ps(row.repulsion),      _mm512_loadu_ps(row.drag),   _mm512_loadu_ps(row.noise),
+                _mm512_loadu_ps(row.inverse_cutoff), _mm512_loadu_ps(row.energy), _mm512_loadu_ps(inverse_mass)};
+    }
+    template <bool drag, bool observe>
+    static DLPOLY_INLINE Pairs look_up(const Tables& t, __m512i tag) {
+        const __m512i kind = _mm512_srli_epi32(tag, kind_shift);
+        Pairs result{};
+        result.repulsion = _mm512_permutexvar_ps(kind, t.repulsion);
+        result.inverse_cutoff = _mm512_permutexvar_ps(kind, t.inverse_cutoff);
+        if constexpr (drag) {
+            result.drag = _mm512_permutexvar_ps(kind, t.drag);
+            result.noise = _mm512_permutexvar_ps(kind, t.noise);
+            result.inverse_mass = _mm512_permutexvar_ps(kind, t.inverse_mass);
         }
+        if constexpr (observe) {
+            result.energy = _mm512_permutexvar_ps(kind, t.energy);
+        }
+        return result;
     }
 
     static DLPOLY_INLINE Sum no_sum() { return _mm512_setzero_si512(); }
     static DLPOLY_INLINE Sum add_nearest(Sum sum, Real v) { return _mm512_add_epi32(sum, _mm512_cvtps_epi32(v)); }
 
     static DLPOLY_INLINE void store_sums(Sum x, Sum y, Sum z, int32_t* out) {
-        const auto fold = [](__m512i v) {
-            const __m256i half = _mm256_add_epi32(_mm512_castsi512_si256(v), _mm512_extracti64x4_epi64(v, 1));
-            return _mm_add_epi32(_mm256_castsi256_si128(half), _mm256_extracti128_si256(half, 1));
-        };
-        const __m128i fx = fold(x), fy = fold(y), fz = fold(z);
-        const __m128i xy = _mm_add_epi32(_mm_unpacklo_epi32(fx, fy), _mm_unpackhi_epi32(fx, fy));
-        const __m128i zz = _mm_add_epi32(_mm_unpacklo_epi32(fz, fz), _mm_unpackhi_epi32(fz, fz));
+        // Transposed while folded: every 128-bit part of the last vector holds x, y, z and nothing.
+        const __m512i nothing = _mm512_setzero_si512();
+        const __m512i xy = _mm512_add_epi32(_mm512_unpacklo_epi32(x, y), _mm512_unpackhi_epi32(x, y));
+        const __m512i z_ = _mm512_add_epi32(_mm512_unpacklo_epi32(z, nothing), _mm512_unpackhi_epi32(z, nothing));
+        const __m512i xyz = _mm512_add_epi32(_mm512_unpacklo_epi64(xy, z_), _mm512_unpackhi_epi64(xy, z_));
+        const __m256i half = _mm256_add_epi32(_mm512_castsi512_si256(xyz), _mm512_extracti64x4_epi64(xyz, 1));
         _mm_store_si128(reinterpret_cast<__m128i*>(out),
-                        _mm_add_epi32(_mm_unpacklo_epi64(xy, zz), _mm_unpackhi_epi64(xy, zz)));
+                        _mm_add_epi32(_mm256_castsi256_si128(half), _mm256_extracti128_si256(half, 1)));
     }
 
     static DLPOLY_INLINE double total(Real v) {
@@ -255,7 +250,66 @@ struct MixedLanes : CommonLanes<MixedRecord>, MixedAdvance {
     }
 };
 
-struct DoubleLanes : CommonLanes<DoubleRecord>, ScalarAdvance<DoubleRecord> {
+// The same as advance_bead and cell_of of pass.hpp, three axes at a time.
+struct DoubleAdvance {
+    struct Advance {
+        explicit Advance(const PassArguments<DoubleRecord>& a)
+            : counts(_mm256_setr_epi64x(a.cells_x, a.rows_y, a.rows_z, 0)),
+              axes(_mm256_setr_epi64x(-1, -1, -1, 0)),
+              out_of_range(_mm256_setzero_si256()),
+              drifts(a.drift),
+              images(a.images),
+              ranks(a.row_rank),
+              rows_y(a.rows_y),
+              cells_x(a.cells_x) {}
+
+        DLPOLY_INLINE int32_t operator()(const DoubleRecord& bead, const int64_t* impulse, DoubleRecord& out) {
+            const __m256i* from = reinterpret_cast<const __m256i*>(&bead);
+            const __m256d drift = _mm256_set1_pd(drifts[bead.tag >> kind_shift]);
+            const __mmask8 mobile = _mm256_cmp_pd_mask(drift, _mm256_setzero_pd(), _CMP_NEQ_OQ) & 7;
+            const __m256i momentum =
+                _mm256_mask_add_epi64(_mm256_load_si256(from + 1), mobile, _mm256_load_si256(from + 1),
+                                      _mm256_load_si256(reinterpret_cast<const __m256i*>(impulse)));
+            // Positions have 48 bits, at the top; lane 3 holds word and tag and stays.
+            const __m256i step = _mm256_and_si256(
+                _mm256_slli_epi64(_mm256_cvtpd_epi64(_mm256_mul_pd(_mm256_cvtepi64_pd(momentum), drift)), 16), axes);
+            const __m256i before = _mm256_load_si256(from);
+            const __m256i after = _mm256_add_epi64(before, step);
+            _mm256_store_si256(reinterpret_cast<__m256i*>(&out), after);
+            _mm256_store_si256(reinterpret_cast<__m256i*>(&out) + 1, momentum);
+
+            const __m256i crossed = _mm256_and_si256(_mm256_xor_si256(before, after), _mm256_xor_si256(step, after));
+            const int crossings = _mm256_movemask_pd(_mm256_castsi256_pd(crossed)) & 7;
+            if (__builtin_expect(crossings != 0, 0)) {
+                count_crossings(images, bead.tag & id_mask, crossings, _mm256_movemask_pd(_mm256_castsi256_pd(before)));
+            }
+            out_of_range =
+                _mm256_or_si256(out_of_range, _mm256_xor_si256(momentum, _mm256_add_epi64(momentum, momentum)));
+
+            // Upper 32 of the 96 bits of position times count, from two products.
+            const __m256i low = _mm256_srli_epi64(_mm256_mul_epu32(after, counts), 32);
+            const __m256i cells =
+                _mm256_srli_epi64(_mm256_add_epi64(_mm256_mul_epu32(_mm256_srli_epi64(after, 32), counts), low), 32);
+            const __m128i xy = _mm256_castsi256_si128(cells);
+            const int32_t row =
+                _mm_cvtsi128_si32(_mm256_extracti128_si256(cells, 1)) * rows_y + _mm_extract_epi32(xy, 2);
+            return ranks[row] * cells_x + _mm_cvtsi128_si32(xy);
+        }
+
+        [[nodiscard]] uint64_t overflow() const {
+            return static_cast<uint64_t>(_mm256_movemask_pd(_mm256_castsi256_pd(out_of_range)) & 7);
+        }
+
+      private:
+        __m256i counts, axes, out_of_range;
+        const double* drifts;
+        int32_t* images;
+        const int32_t* ranks;
+        int32_t rows_y, cells_x;
+    };
+};
+
+struct DoubleLanes : CommonLanes<DoubleRecord>, DoubleAdvance {
     static constexpr int width = 8;
     using Real = __m512d;
     using Fixed = __m512i;
@@ -340,49 +394,48 @@ struct DoubleLanes : CommonLanes<DoubleRecord>, ScalarAdvance<DoubleRecord> {
     struct Pairs {
         __m512d repulsion, drag, noise, inverse_cutoff, energy, inverse_mass;
     };
-    template <bool one_kind>
+    static DLPOLY_INLINE Pairs only_pair(const PairRow<double>& row, double inverse_mass) {
+        return {all(row.repulsion[0]),      all(row.drag[0]),   all(row.noise[0]),
+                all(row.inverse_cutoff[0]), all(row.energy[0]), all(inverse_mass)};
+    }
     static DLPOLY_INLINE Tables tables(const PairRow<double>& row, const double* inverse_mass) {
         const auto table = [](const double* values) -> Table {
-            if constexpr (one_kind) {
-                return {all(values[0]), all(values[0])};
-            } else {
-                return {_mm512_loadu_pd(values), _mm512_loadu_pd(values + 8)};
-            }
+            return {_mm512_loadu_pd(values), _mm512_loadu_pd(values + 8)};
         };
         return {table(row.repulsion),      table(row.drag),   table(row.noise),
                 table(row.inverse_cutoff), table(row.energy), table(inverse_mass)};
     }
-    template <bool one_kind, bool drag, bool observe>
+    template <bool drag, bool observe>
     static DLPOLY_INLINE Pairs look_up(const Tables& t, __m256i tag) {
-        if constexpr (one_kind) {
-            return {t.repulsion.low, t.drag.low, t.noise.low, t.inverse_cutoff.low, t.energy.low, t.inverse_mass.low};
-        } else {
-            const __m512i kind = _mm512_cvtepu32_epi64(_mm256_srli_epi32(tag, kind_shift));
-            const auto pick = [kind](const Table& table) {
-                return _mm512_permutex2var_pd(table.low, kind, table.high);
-            };
-            Pairs result{};
-            result.repulsion = pick(t.repulsion);
-            result.inverse_cutoff = pick(t.inverse_cutoff);
-            if constexpr (drag) {
-                result.drag = pick(t.drag);
-                result.noise = pick(t.noise);
-                result.inverse_mass = pick(t.inverse_mass);
-            }
-            if constexpr (observe) {
-                result.energy = pick(t.energy);
-            }
-            return result;
+        const __m512i kind = _mm512_cvtepu32_epi64(_mm256_srli_epi32(tag, kind_shift));
+        const auto pick = [kind](const Table& table) { return _mm512_permutex2var_pd(table.low, kind, table.high); };
+        Pairs result{};
+        result.repulsion = pick(t.repulsion);
+        result.inverse_cutoff = pick(t.inverse_cutoff);
+        if constexpr (drag) {
+            result.drag = pick(t.drag);
+            result.noise = pick(t.noise);
+            result.inverse_mass = pick(t.inverse_mass);
         }
+        if constexpr (observe) {
+            result.energy = pick(t.energy);
+        }
+        return result;
     }
 
     static DLPOLY_INLINE Sum no_sum() { return _mm512_setzero_si512(); }
     static DLPOLY_INLINE Sum add_nearest(Sum sum, Real v) { return _mm512_add_epi64(sum, _mm512_cvtpd_epi64(v)); }
 
     static DLPOLY_INLINE void store_sums(Sum x, Sum y, Sum z, int64_t* out) {
-        out[0] = _mm512_reduce_add_epi64(x);
-        out[1] = _mm512_reduce_add_epi64(y);
-        out[2] = _mm512_reduce_add_epi64(z);
+        // Transposed while folded, as for single precision.
+        const __m512i nothing = _mm512_setzero_si512();
+        const auto fold = [](__m512i v) {
+            return _mm256_add_epi64(_mm512_castsi512_si256(v), _mm512_extracti64x4_epi64(v, 1));
+        };
+        const __m256i xy = fold(_mm512_add_epi64(_mm512_unpacklo_epi64(x, y), _mm512_unpackhi_epi64(x, y)));
+        const __m256i z_ = fold(_mm512_add_epi64(_mm512_unpacklo_epi64(z, nothing), _mm512_unpackhi_epi64(z, nothing)));
+        _mm256_store_si256(reinterpret_cast<__m256i*>(out), _mm256_add_epi64(_mm256_permute2x128_si256(xy, z_, 0x20),
+                                                                             _mm256_permute2x128_si256(xy, z_, 0x31)));
     }
 
     static DLPOLY_INLINE double total(Real v) { return _mm512_reduce_add_pd(v); }
