@@ -67,6 +67,18 @@ struct CommonLanes {
         const __m512i own_y = _mm512_set1_epi8(static_cast<char>(a.shadow_y[i]));
         const __m512i own_z = _mm512_set1_epi8(static_cast<char>(a.shadow_z[i]));
         const __m512i numbers = _mm512_loadu_si512(byte_numbers);
+        if (__builtin_expect(count <= 128 && self < 64, 1)) {
+            const uint64_t first =
+                _bzhi_u64(near(t, x, y, z, own_x, own_y, own_z), static_cast<unsigned>(count)) & ~(uint64_t{1} << self);
+            const uint64_t second = _bzhi_u64(near(t, x + 64, y + 64, z + 64, own_x, own_y, own_z),
+                                              static_cast<unsigned>(count < 64 ? 0 : count - 64));
+            const int in_first = __builtin_popcountll(first);
+            _mm512_storeu_si512(accepted, _mm512_maskz_compress_epi8(_cvtu64_mask64(first), numbers));
+            const int found = in_first + __builtin_popcountll(second);
+            const __m512i later = _mm512_or_si512(numbers, _mm512_set1_epi8(64));
+            _mm512_storeu_si512(accepted + in_first, _mm512_maskz_compress_epi8(_cvtu64_mask64(second), later));
+            return found > most_accepted ? -1 : found;
+        }
         int found = 0;
         for (int k = 0; k < count; k += 64) {
             const int left = count - k;
@@ -75,11 +87,9 @@ struct CommonLanes {
             if (self >= k && self < k + 64) {
                 mask &= ~(uint64_t{1} << (self - k));
             }
-            if (found > most_accepted - 32) {
-                // Only now can the next store leave the list.
-                if (found + __builtin_popcountll(mask) > most_accepted) {
-                    return -1;
-                }
+            // A whole vector is stored: what it writes past this bead's list, the next bead overwrites.
+            if (found > most_accepted) {
+                return -1;
             }
             _mm512_storeu_si512(
                 accepted + found,
