@@ -453,6 +453,8 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
 #endif
         PassArguments<Record> a = arguments(state);
         a.observed = observed_.data();
+        AlignedArray<std::uint8_t> workspace(workspace_bytes);
+        a.workspace = workspace.data();
         for (std::uint64_t k = 1; k <= steps; ++k) {
 #ifdef _OPENMP
 #pragma omp single

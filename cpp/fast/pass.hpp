@@ -39,6 +39,8 @@ struct alignas(64) Workspace {
     uint32_t word[most_beads + 16];
 };
 
+static_assert(sizeof(Workspace<DoubleRecord>) <= workspace_bytes);
+
 // A run of consecutive beads.
 struct Span {
     int32_t begin, end;
@@ -51,7 +53,8 @@ struct Candidates {
 };
 
 template <class Record>
-inline Candidates candidates_of(const PassArguments<Record>& a, const int32_t* rows, int32_t first, int32_t last) {
+DLPOLY_INLINE Candidates candidates_of(const PassArguments<Record>& a, const int32_t* rows, int32_t first,
+                                       int32_t last) {
     Candidates result;
     result.count = 0;
     const int32_t cells = a.cells_x;
@@ -203,7 +206,8 @@ inline void advance_bead(PassArguments<Record>& a, const Record& bead, const typ
 
 // Everything a piece of beads still needs once its impulses are known: kept (last step), or used.
 template <bool last, class Lanes, class Record>
-inline void finish_beads(PassArguments<Record>& a, Workspace<Record>& work, int32_t begin, int32_t end) {
+DLPOLY_INLINE void finish_beads(PassArguments<Record>& a, typename Lanes::Advance& advance, Workspace<Record>& work,
+                                int32_t begin, int32_t end) {
     if constexpr (last) {
         for (int32_t i = begin; i < end; ++i) {
             int64_t* out = a.impulses + 3 * static_cast<int64_t>(a.sorted[i].tag & id_mask);
@@ -212,24 +216,27 @@ inline void finish_beads(PassArguments<Record>& a, Workspace<Record>& work, int3
             }
         }
     } else {
+        const Record* const sorted = a.sorted;
+        Record* const advanced = a.advanced;
+        int32_t* const cells = a.cell_of;
+        int32_t* const histogram = a.histogram;
         for (int32_t i = begin; i < end; ++i) {
-            advance_bead(a, a.sorted[i], work.impulse + 4 * (i - begin), a.advanced[i]);
-            work.tag[i - begin] = a.sorted[i].tag & id_mask;
-            const int32_t cell = cell_of(a, a.advanced[i]);
-            a.cell_of[i] = cell;
-            ++a.histogram[cell];
+            work.tag[i - begin] = sorted[i].tag & id_mask;
+            const int32_t cell = advance(sorted[i], work.impulse + 4 * (i - begin), advanced[i]);
+            cells[i] = cell;
+            ++histogram[cell];
         }
         Lanes::bead_words(work.tag, work.word, end - begin, a.word_key);
         for (int32_t i = begin; i < end; ++i) {
-            a.advanced[i].word = work.word[i - begin];
+            advanced[i].word = work.word[i - begin];
         }
     }
 }
 
 // Beads begin..end of the block of cells first..last, pair after pair.
 template <class Lanes, bool one_kind, bool drag, bool observe, bool last_step, class Record>
-inline void direct_block(PassArguments<Record>& a, Workspace<Record>& work, const int32_t* rows, int32_t first,
-                         int32_t last, double* observed) {
+inline void direct_block(PassArguments<Record>& a, typename Lanes::Advance& advance, Workspace<Record>& work,
+                         const int32_t* rows, int32_t first, int32_t last, double* observed) {
     const Candidates candidates = candidates_of(a, rows, first, last);
     const int32_t* start = a.row_start + static_cast<int64_t>(rows[0]) * a.cells_x;
     for (int32_t begin = start[first]; begin < start[last]; begin += most_beads) {
@@ -237,12 +244,28 @@ inline void direct_block(PassArguments<Record>& a, Workspace<Record>& work, cons
         for (int32_t i = begin; i < end; ++i) {
             direct_bead<one_kind, drag, observe>(a, candidates, i, work.impulse + 4 * (i - begin), observed);
         }
-        finish_beads<last_step, Lanes>(a, work, begin, end);
+        finish_beads<last_step, Lanes>(a, advance, work, begin, end);
     }
 }
 
+// Moves one bead after another and returns its new cell.
+template <class Record>
+struct ScalarAdvance {
+    struct Advance {
+        PassArguments<Record>& a;
+
+        explicit Advance(PassArguments<Record>& arguments) : a(arguments) {}
+        int32_t operator()(const Record& bead, const typename Record::Fixed* impulse, Record& out) const {
+            advance_bead(a, bead, impulse, out);
+            return cell_of(a, out);
+        }
+        static uint64_t overflow() { return 0; }  // advance_bead notes it in the arguments
+    };
+};
+
 // Lanes of the plain path: no vectors, every block takes the direct way.
-struct PlainLanes {
+template <class Record>
+struct PlainLanes : ScalarAdvance<Record> {
     static void bead_words(const uint32_t* ids, uint32_t* words, int32_t count, const uint32_t* key) {
         for (int32_t k = 0; k < count; ++k) {
             words[k] = bead_word(ids[k], key);
@@ -252,14 +275,16 @@ struct PlainLanes {
 
 template <class Record, bool one_kind, bool drag, bool observe, bool last_step>
 void plain_pass(PassArguments<Record>& a, int32_t first_place, int32_t last_place) {
-    static thread_local Workspace<Record> work;
+    Workspace<Record>& work = *static_cast<Workspace<Record>*>(a.workspace);
+    typename PlainLanes<Record>::Advance advance(a);
     for (int32_t place = first_place; place < last_place; ++place) {
         int32_t rows[9];
         neighbour_rows(a, place, rows);
         double* observed = observe ? a.observed + static_cast<int64_t>(place) * observed_numbers : nullptr;
         for (int32_t first = 0; first < a.cells_x; first += cells_a_block) {
             const int32_t last = first + cells_a_block < a.cells_x ? first + cells_a_block : a.cells_x;
-            direct_block<PlainLanes, one_kind, drag, observe, last_step>(a, work, rows, first, last, observed);
+            direct_block<PlainLanes<Record>, one_kind, drag, observe, last_step>(a, advance, work, rows, first, last,
+                                                                                 observed);
         }
     }
 }
