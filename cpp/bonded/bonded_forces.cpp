@@ -63,6 +63,7 @@ void BondedForces::add(bonded::Kind kind, std::string_view key, std::span<const 
                 throw std::invalid_argument("a bonded term has a bead twice or one that does not exist");
             }
             mobile = mobile || frozen_[term[a]] == 0;
+            bead_end_ = std::max(bead_end_, term[a] + 1);
         }
         if (mobile) {
             (*list)->add(term.data());
@@ -70,6 +71,8 @@ void BondedForces::add(bonded::Kind kind, std::string_view key, std::span<const 
     }
     bounds_.clear();
 }
+
+int BondedForces::wide_energy_exponent() const noexcept { return grid_exponent(std::max(largest_.energy, 1e-12)) - 16; }
 
 void BondedForces::set_anchors(Array3N anchors) {
     if (anchors.rows() != static_cast<Eigen::Index>(frozen_.size()) || !anchors.allFinite()) {

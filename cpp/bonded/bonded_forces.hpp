@@ -43,6 +43,10 @@ class BondedForces {
     void add_scaled_pair(std::uint32_t i, std::uint32_t j, double scale);
 
     [[nodiscard]] std::size_t beads() const noexcept { return frozen_.size(); }
+    // One past the largest bead of any term.
+    [[nodiscard]] std::uint32_t bead_end() const noexcept { return bead_end_; }
+    // A grid for energies on which terms far beyond the expected ones still have room.
+    [[nodiscard]] int wide_energy_exponent() const noexcept;
     [[nodiscard]] bool empty() const noexcept { return lists_.empty() && scaled_.empty(); }
 
     // For the general path: adds to particles.force and, when `totals` is given, writes what the terms add up to.
@@ -79,6 +83,7 @@ class BondedForces {
     Array3N anchors_;
     std::vector<std::uint32_t> bounds_;  // beads bounds_[p] … bounds_[p + 1] belong to part p
     std::vector<std::int64_t> sums_;
+    std::uint32_t bead_end_ = 0;
 };
 
 }  // namespace dlpoly

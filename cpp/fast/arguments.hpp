@@ -59,6 +59,8 @@ struct PassArguments {
     std::int32_t* cell_of;      // out: cell of each advanced bead
     std::int32_t* histogram;    // in/out: beads in each cell
 
+    std::int64_t* bonded;  // impulses of bonded terms, 3 a bead by id below bonded_end, used up; or nullptr
+    std::uint32_t bonded_end;
     std::int64_t* impulses;  // last step: out, 3 a bead by id
     double* observed;        // observed step: out, observed_numbers a row of cells
     void* workspace;         // buffers of the calling thread, workspace_bytes

@@ -204,10 +204,33 @@ inline void advance_bead(PassArguments<Record>& a, const Record& bead, const typ
     a.overflow |= static_cast<uint64_t>(out_of_range(out.px) | out_of_range(out.py) | out_of_range(out.pz));
 }
 
+// Adds the impulses of bonded terms and leaves zeros for the next step.
+template <class Record>
+inline void add_bonded(PassArguments<Record>& a, Workspace<Record>& work, int32_t begin, int32_t end) {
+    using Fixed = typename Record::Fixed;
+    for (int32_t i = begin; i < end; ++i) {
+        const uint32_t id = a.sorted[i].tag & id_mask;
+        if (id >= a.bonded_end) {
+            continue;
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            int64_t& bonded = a.bonded[3 * static_cast<int64_t>(id) + axis];
+            Fixed& impulse = work.impulse[4 * (i - begin) + axis];
+            const int64_t sum = impulse + bonded;
+            impulse = static_cast<Fixed>(sum);
+            a.overflow |= impulse == sum ? 0U : 1U;
+            bonded = 0;
+        }
+    }
+}
+
 // Everything a piece of beads still needs once its impulses are known: kept (last step), or used.
 template <bool last, class Lanes, class Record>
 DLPOLY_INLINE void finish_beads(PassArguments<Record>& a, typename Lanes::Advance& advance, Workspace<Record>& work,
                                 int32_t begin, int32_t end) {
+    if (a.bonded != nullptr) {
+        add_bonded(a, work, begin, end);
+    }
     if constexpr (last) {
         for (int32_t i = begin; i < end; ++i) {
             int64_t* out = a.impulses + 3 * static_cast<int64_t>(a.sorted[i].tag & id_mask);

@@ -43,7 +43,11 @@ class Forces {
 
     [[nodiscard]] PairForces& pairs() noexcept { return pairs_; }
     [[nodiscard]] bool has_bonded() const noexcept { return bonded_.has_value(); }
+    [[nodiscard]] bool has_exclusions() const noexcept { return pairs_.has_exclusions(); }
+    // nullptr: there are none.
+    [[nodiscard]] BondedForces* bonded() noexcept { return bonded_ ? &*bonded_ : nullptr; }
     // Of the last observed step.
+    [[nodiscard]] BondedTotals& bonded_totals() noexcept { return bonded_totals_; }
     [[nodiscard]] const BondedTotals& bonded_totals() const noexcept { return bonded_totals_; }
     [[nodiscard]] bool has_fields() const noexcept { return !fields_.empty(); }
 

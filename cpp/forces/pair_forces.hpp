@@ -33,6 +33,7 @@ class PairForces {
 
     // Pairs that are left out, with their drag and noise.
     void set_exclusions(Exclusions exclusions) { exclusions_ = std::move(exclusions); }
+    [[nodiscard]] bool has_exclusions() const noexcept { return !exclusions_.empty(); }
 
     // Writes the pair force on every bead to particles.force (frozen beads: zero). Drag uses `velocity`.
     // Throws RunFailure when a pair's force is not finite, naming both beads.

@@ -31,12 +31,15 @@ void System::choose_path() {
     }
     path_chosen_ = true;
     refusal_ = settings.precision == Precision::reference ? "the precision is reference"
-               : forces.has_bonded()
-                   ? "there are bonded terms"
+               : forces.has_exclusions()
+                   ? "bonded beads have no pair forces (keys without a leading '-')"
                    : fast::refusal(state.box, state.particles, forces.pairs().table(), settings, forces.has_fields());
     if (refusal_.empty()) {
         fluid_ = fast::make_fluid(state, forces.pairs().table(), settings, fast::chosen_passes(),
                                   settings.precision == Precision::mixed, cell_width_);
+        if (forces.bonded() != nullptr) {
+            fluid_->set_bonded(*forces.bonded(), forces.bonded_totals(), state.particles.species);
+        }
     }
 }
 
