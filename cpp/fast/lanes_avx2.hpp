@@ -4,6 +4,7 @@
 #include <immintrin.h>
 #include <string.h>
 
+#include "fast/lanes_x86.hpp"
 #include "fast/pass.hpp"
 
 namespace dlpoly::fast::DLPOLY_SIMD {
@@ -32,10 +33,10 @@ struct CommonLanes {
     static constexpr int copy_width = 32;
 
     static __m256i load_bytes(const void* from) { return _mm256_loadu_si256(static_cast<const __m256i*>(from)); }
-    static void store_bytes(void* to, __m256i v) { _mm256_storeu_si256(static_cast<__m256i*>(to), v); }
+    static DLPOLY_INLINE void store_bytes(void* to, __m256i v) { _mm256_storeu_si256(static_cast<__m256i*>(to), v); }
 
-    static void copy_shadows(const PassArguments<Record>& a, int32_t from, uint8_t* x, uint8_t* y, uint8_t* z,
-                             uint32_t* offset) {
+    static DLPOLY_INLINE void copy_shadows(const PassArguments<Record>& a, int32_t from, uint8_t* x, uint8_t* y,
+                                           uint8_t* z, uint32_t* offset) {
         store_bytes(x, load_bytes(a.shadow_x + from));
         store_bytes(y, load_bytes(a.shadow_y + from));
         store_bytes(z, load_bytes(a.shadow_z + from));
@@ -58,7 +59,7 @@ struct CommonLanes {
 
     // What a table adds for each squared resolution, from below, so that no pair in range is lost. Entry k is
     // (k − 1)² times that, rounded down; the largest ones tell it best.
-    static double slope(const uint8_t* table) {
+    static DLPOLY_INLINE double slope(const uint8_t* table) {
         int last = 127;
         while (last > 2 && table[last] == 255) {
             --last;
@@ -71,7 +72,7 @@ struct CommonLanes {
         return largest;
     }
 
-    static SearchTables search_tables(const PassArguments<Record>& a) {
+    static DLPOLY_INLINE SearchTables search_tables(const PassArguments<Record>& a) {
         const double x = slope(a.distance_x), y = slope(a.distance_y), z = slope(a.distance_z);
         double largest = x > y ? x : y;
         largest = largest > z ? largest : z;
@@ -88,8 +89,8 @@ struct CommonLanes {
 
     // Which of 32 candidates may be in range.
     template <bool isotropic>
-    static uint32_t near(const SearchTables& t, const uint8_t* x, const uint8_t* y, const uint8_t* z, __m256i own_x,
-                         __m256i own_y, __m256i own_z) {
+    static DLPOLY_INLINE uint32_t near(const SearchTables& t, const uint8_t* x, const uint8_t* y, const uint8_t* z,
+                                       __m256i own_x, __m256i own_y, __m256i own_z) {
         const __m256i zero = _mm256_setzero_si256();
         // Shadows d apart belong to coordinates at least d − 1 resolutions apart.
         const auto apart = [](const uint8_t* other, __m256i own) {
@@ -123,15 +124,16 @@ struct CommonLanes {
 
     // Writes the numbers of the candidates that may be in range of bead i, which is number `self` itself.
     // Returns how many, or −1 when they are more than the list holds.
-    static int accept(const SearchTables& t, const PassArguments<Record>& a, int32_t i, const uint8_t* x,
-                      const uint8_t* y, const uint8_t* z, int count, int self, uint8_t* accepted) {
+    static DLPOLY_INLINE int accept(const SearchTables& t, const PassArguments<Record>& a, int32_t i, const uint8_t* x,
+                                    const uint8_t* y, const uint8_t* z, int count, int self, uint8_t* accepted) {
         return t.isotropic ? accept_from<true>(t, a, i, x, y, z, count, self, accepted)
                            : accept_from<false>(t, a, i, x, y, z, count, self, accepted);
     }
 
     template <bool isotropic>
-    static int accept_from(const SearchTables& t, const PassArguments<Record>& a, int32_t i, const uint8_t* x,
-                           const uint8_t* y, const uint8_t* z, int count, int self, uint8_t* accepted) {
+    static DLPOLY_INLINE int accept_from(const SearchTables& t, const PassArguments<Record>& a, int32_t i,
+                                         const uint8_t* x, const uint8_t* y, const uint8_t* z, int count, int self,
+                                         uint8_t* accepted) {
         const __m256i own_x = _mm256_set1_epi8(static_cast<char>(a.shadow_x[i]));
         const __m256i own_y = _mm256_set1_epi8(static_cast<char>(a.shadow_y[i]));
         const __m256i own_z = _mm256_set1_epi8(static_cast<char>(a.shadow_z[i]));
@@ -165,8 +167,25 @@ struct CommonLanes {
         return static_cast<int>(next - accepted);
     }
 
+    // The constants of pairs that a pass needs, each looked up in its table.
+    template <bool drag, bool observe, class Pairs, class Tables, class LookUp>
+    static DLPOLY_INLINE Pairs pick(const Tables& t, LookUp look_up) {
+        Pairs result{};
+        result.repulsion = look_up(t.row.repulsion);
+        result.inverse_cutoff = look_up(t.row.inverse_cutoff);
+        if constexpr (drag) {
+            result.drag = look_up(t.row.drag);
+            result.noise = look_up(t.row.noise);
+            result.inverse_mass = look_up(t.inverse_mass);
+        }
+        if constexpr (observe) {
+            result.energy = look_up(t.row.energy);
+        }
+        return result;
+    }
+
     // Philox2x32-10 of four ids at a time; see core/bead_words.hpp.
-    static void bead_words(const uint32_t* ids, uint32_t* words, int32_t count, const uint32_t* key) {
+    static DLPOLY_INLINE void bead_words(const uint32_t* ids, uint32_t* words, int32_t count, const uint32_t* key) {
         const __m256i multiplier = _mm256_set1_epi64x(0xD256D193);
         const __m256i high_mask = _mm256_set1_epi64x(static_cast<int64_t>(0xFFFFFFFF00000000ULL));
         const __m256i first_halves = _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6);
@@ -188,7 +207,7 @@ struct CommonLanes {
     }
 };
 
-struct MixedLanes : CommonLanes<MixedRecord> {
+struct MixedLanes : CommonLanes<MixedRecord>, MixedAdvance {
     static constexpr int width = 8;
     using Real = __m256;
     using Fixed = __m256i;
@@ -199,7 +218,7 @@ struct MixedLanes : CommonLanes<MixedRecord> {
         __m256i x, y, z, word, px, py, pz, tag;
     };
 
-    static Beads broadcast(const MixedRecord& r) {
+    static DLPOLY_INLINE Beads broadcast(const MixedRecord& r) {
         const auto all_of = [](auto v) { return _mm256_set1_epi32(static_cast<int>(v)); };
         return {all_of(r.x),  all_of(r.y),  all_of(r.z),  all_of(r.word),
                 all_of(r.px), all_of(r.py), all_of(r.pz), all_of(r.tag)};
@@ -207,7 +226,7 @@ struct MixedLanes : CommonLanes<MixedRecord> {
 
     // Eight records of eight 32-bit numbers, turned into eight vectors. Plain loads and shuffles: hardware gathers are
     // slower.
-    static Beads load(const MixedRecord* records, const uint32_t* offsets, const uint8_t* accepted) {
+    static DLPOLY_INLINE Beads load(const MixedRecord* records, const uint32_t* offsets, const uint8_t* accepted) {
         const char* base = reinterpret_cast<const char*>(records);
         const char* at[width];
         for (int lane = 0; lane < width; ++lane) {
@@ -225,30 +244,30 @@ struct MixedLanes : CommonLanes<MixedRecord> {
         return result;
     }
 
-    static Real all(float v) { return _mm256_set1_ps(v); }
-    static Real real(Fixed v) { return _mm256_cvtepi32_ps(v); }
-    static Real difference(Fixed a, Fixed b) { return _mm256_cvtepi32_ps(_mm256_sub_epi32(a, b)); }
-    static Real multiply(Real a, Real b) { return _mm256_mul_ps(a, b); }
-    static Real add(Real a, Real b) { return _mm256_add_ps(a, b); }
-    static Real subtract(Real a, Real b) { return _mm256_sub_ps(a, b); }
-    static Real multiply_add(Real a, Real b, Real c) { return _mm256_fmadd_ps(a, b, c); }
-    static Real negative_multiply_add(Real a, Real b, Real c) { return _mm256_fnmadd_ps(a, b, c); }
-    static Real multiply_where(Mask m, Real a, Real b) { return _mm256_and_ps(m, _mm256_mul_ps(a, b)); }
-    static Mask positive(Real w, int lanes) {
+    static DLPOLY_INLINE Real all(float v) { return _mm256_set1_ps(v); }
+    static DLPOLY_INLINE Real real(Fixed v) { return _mm256_cvtepi32_ps(v); }
+    static DLPOLY_INLINE Real difference(Fixed a, Fixed b) { return _mm256_cvtepi32_ps(_mm256_sub_epi32(a, b)); }
+    static DLPOLY_INLINE Real multiply(Real a, Real b) { return _mm256_mul_ps(a, b); }
+    static DLPOLY_INLINE Real add(Real a, Real b) { return _mm256_add_ps(a, b); }
+    static DLPOLY_INLINE Real subtract(Real a, Real b) { return _mm256_sub_ps(a, b); }
+    static DLPOLY_INLINE Real multiply_add(Real a, Real b, Real c) { return _mm256_fmadd_ps(a, b, c); }
+    static DLPOLY_INLINE Real negative_multiply_add(Real a, Real b, Real c) { return _mm256_fnmadd_ps(a, b, c); }
+    static DLPOLY_INLINE Real multiply_where(Mask m, Real a, Real b) { return _mm256_and_ps(m, _mm256_mul_ps(a, b)); }
+    static DLPOLY_INLINE Mask positive(Real w, int lanes) {
         const __m256i used = _mm256_cmpgt_epi32(_mm256_set1_epi32(lanes), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
         return _mm256_and_ps(_mm256_castsi256_ps(used), _mm256_cmp_ps(w, _mm256_setzero_ps(), _CMP_GT_OQ));
     }
 
     // 11 bits from the processor, tripled: y (1 + e/2 + 3e²/8) with e = 1 − x y². Coincident beads get a large finite
     // number.
-    static Real inverse_root(Real x) {
+    static DLPOLY_INLINE Real inverse_root(Real x) {
         x = _mm256_max_ps(x, all(1e-30F));
         const Real y = _mm256_rsqrt_ps(x);
         const Real e = _mm256_fnmadd_ps(_mm256_mul_ps(x, y), y, all(1.0F));
         return _mm256_fmadd_ps(_mm256_mul_ps(y, e), _mm256_fmadd_ps(e, all(0.375F), all(0.5F)), y);
     }
 
-    static Real noise(__m256i a, __m256i b) {
+    static DLPOLY_INLINE Real noise(__m256i a, __m256i b) {
         __m256i x = _mm256_add_epi32(a, b);
         x = _mm256_xor_si256(x, _mm256_srli_epi32(x, 16));
         x = _mm256_mullo_epi32(x, _mm256_set1_epi32(0x7feb352d));
@@ -257,73 +276,41 @@ struct MixedLanes : CommonLanes<MixedRecord> {
         return _mm256_cvtepi32_ps(x);
     }
 
-    struct Tables {
-        __m256 repulsion, drag, noise, inverse_cutoff, energy, inverse_mass;  // of the first eight kinds
-        const PairRow<float>* row;
-        const float* inverse_masses;
-        bool more;  // than eight kinds
+    // Constants of pairs, one a lane.
+    struct Pairs {
+        __m256 repulsion, drag, noise, inverse_cutoff, energy, inverse_mass;
     };
-    template <bool one_kind>
-    static Tables tables(const PairRow<float>& row, const float* inverse_mass) {
-        if constexpr (one_kind) {
-            return {all(row.repulsion[0]),
-                    all(row.drag[0]),
-                    all(row.noise[0]),
-                    all(row.inverse_cutoff[0]),
-                    all(row.energy[0]),
-                    all(inverse_mass[0]),
-                    nullptr,
-                    nullptr,
-                    false};
-        } else {
-            // Kinds that exist have a cutoff.
-            return {_mm256_loadu_ps(row.repulsion),
-                    _mm256_loadu_ps(row.drag),
-                    _mm256_loadu_ps(row.noise),
-                    _mm256_loadu_ps(row.inverse_cutoff),
-                    _mm256_loadu_ps(row.energy),
-                    _mm256_loadu_ps(inverse_mass),
-                    &row,
-                    inverse_mass,
-                    row.inverse_cutoff[8] > 0.0F};
-        }
-    }
-    template <bool one_kind, bool drag, bool observe>
-    static Tables look_up(const Tables& t, __m256i tag) {
-        if constexpr (one_kind) {
-            return t;
-        } else {
-            const __m256i kind = _mm256_srli_epi32(tag, kind_shift);
-            const auto all_picks = [&](auto pick) {
-                Tables result{};
-                result.repulsion = pick(t.repulsion, t.row->repulsion);
-                result.inverse_cutoff = pick(t.inverse_cutoff, t.row->inverse_cutoff);
-                if constexpr (drag) {
-                    result.drag = pick(t.drag, t.row->drag);
-                    result.noise = pick(t.noise, t.row->noise);
-                    result.inverse_mass = pick(t.inverse_mass, t.inverse_masses);
-                }
-                if constexpr (observe) {
-                    result.energy = pick(t.energy, t.row->energy);
-                }
-                return result;
-            };
-            if (__builtin_expect(t.more, 0)) {
-                // The uppermost bit of the kind is that of the tag.
-                return all_picks([&](__m256 low, const float* table) {
-                    return _mm256_blendv_ps(_mm256_permutevar8x32_ps(low, kind),
-                                            _mm256_permutevar8x32_ps(_mm256_loadu_ps(table + 8), kind),
-                                            _mm256_castsi256_ps(tag));
-                });
-            }
-            return all_picks([&](__m256 low, const float*) { return _mm256_permutevar8x32_ps(low, kind); });
-        }
+    static DLPOLY_INLINE Pairs only_pair(const PairRow<float>& row, float inverse_mass) {
+        return {all(row.repulsion[0]),      all(row.drag[0]),   all(row.noise[0]),
+                all(row.inverse_cutoff[0]), all(row.energy[0]), all(inverse_mass)};
     }
 
-    static Sum no_sum() { return _mm256_setzero_si256(); }
-    static Sum add_nearest(Sum sum, Real v) { return _mm256_add_epi32(sum, _mm256_cvtps_epi32(v)); }
+    // Tables are read where they are: there are too few registers for them.
+    struct Tables {
+        const PairRow<float>& row;
+        const float* inverse_mass;
+        bool more;  // than the eight kinds that one look-up reaches; kinds that exist have a cutoff
+    };
+    static DLPOLY_INLINE Tables tables(const PairRow<float>& row, const float* inverse_mass) {
+        return {row, inverse_mass, row.inverse_cutoff[8] > 0.0F};
+    }
+    template <bool drag, bool observe>
+    static DLPOLY_INLINE Pairs look_up(const Tables& t, __m256i tag) {
+        const __m256i kind = _mm256_srli_epi32(tag, kind_shift);
+        const auto low = [&](const float* table) { return _mm256_permutevar8x32_ps(_mm256_loadu_ps(table), kind); };
+        if (__builtin_expect(t.more, 0)) {
+            // The uppermost bit of the kind is that of the tag.
+            return pick<drag, observe, Pairs>(t, [&](const float* table) {
+                return _mm256_blendv_ps(low(table), low(table + 8), _mm256_castsi256_ps(tag));
+            });
+        }
+        return pick<drag, observe, Pairs>(t, low);
+    }
 
-    static void store_sums(Sum x, Sum y, Sum z, int32_t* out) {
+    static DLPOLY_INLINE Sum no_sum() { return _mm256_setzero_si256(); }
+    static DLPOLY_INLINE Sum add_nearest(Sum sum, Real v) { return _mm256_add_epi32(sum, _mm256_cvtps_epi32(v)); }
+
+    static DLPOLY_INLINE void store_sums(Sum x, Sum y, Sum z, int32_t* out) {
         const auto fold = [](__m256i v) {
             return _mm_add_epi32(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
         };
@@ -334,7 +321,7 @@ struct MixedLanes : CommonLanes<MixedRecord> {
                         _mm_add_epi32(_mm_unpacklo_epi64(xy, zz), _mm_unpackhi_epi64(xy, zz)));
     }
 
-    static double total(Real v) {
+    static DLPOLY_INLINE double total(Real v) {
         const __m256d four =
             _mm256_add_pd(_mm256_cvtps_pd(_mm256_castps256_ps128(v)), _mm256_cvtps_pd(_mm256_extractf128_ps(v, 1)));
         const __m128d two = _mm_add_pd(_mm256_castpd256_pd128(four), _mm256_extractf128_pd(four, 1));
@@ -343,8 +330,8 @@ struct MixedLanes : CommonLanes<MixedRecord> {
 
   private:
     // 4×4 transposition in both 128-bit halves.
-    static void transpose(__m256 a, __m256 b, __m256 c, __m256 d, __m256i* first, __m256i* second, __m256i* third,
-                          __m256i* fourth) {
+    static DLPOLY_INLINE void transpose(__m256 a, __m256 b, __m256 c, __m256 d, __m256i* first, __m256i* second,
+                                        __m256i* third, __m256i* fourth) {
         const __m256 t0 = _mm256_unpacklo_ps(a, b), t1 = _mm256_unpackhi_ps(a, b);
         const __m256 t2 = _mm256_unpacklo_ps(c, d), t3 = _mm256_unpackhi_ps(c, d);
         *first = _mm256_castps_si256(_mm256_shuffle_ps(t0, t2, 0x44));
@@ -354,14 +341,87 @@ struct MixedLanes : CommonLanes<MixedRecord> {
     }
 };
 
-struct DoubleLanes : CommonLanes<DoubleRecord> {
+// There is no conversion between 64-bit integers and doubles. Adding a number whose last bit stands for one makes an
+// integer appear in the bits of the sum, and the reverse. Exact below 2⁵¹.
+inline constexpr double ones = 0x1.8p52;
+
+DLPOLY_INLINE __m256d to_double(__m256i v) {
+    const __m256d shift = _mm256_set1_pd(ones);
+    return _mm256_sub_pd(_mm256_castsi256_pd(_mm256_add_epi64(v, _mm256_castpd_si256(shift))), shift);
+}
+// The nearest integer; what is larger than 2⁵¹ becomes at least that, which is out of range for a momentum.
+DLPOLY_INLINE __m256i to_nearest(__m256d v) {
+    const __m256d shift = _mm256_set1_pd(ones);
+    return _mm256_sub_epi64(_mm256_castpd_si256(_mm256_add_pd(v, shift)), _mm256_castpd_si256(shift));
+}
+
+// The same as advance_bead and cell_of of pass.hpp, three axes at a time.
+struct DoubleAdvance {
+    struct Advance {
+        explicit Advance(const PassArguments<DoubleRecord>& a)
+            : counts(_mm256_setr_epi64x(a.cells_x, a.rows_y, a.rows_z, 0)),
+              axes(_mm256_setr_epi64x(-1, -1, -1, 0)),
+              out_of_range(_mm256_setzero_si256()),
+              drifts(a.drift),
+              images(a.images),
+              ranks(a.row_rank),
+              rows_y(a.rows_y),
+              cells_x(a.cells_x) {}
+
+        DLPOLY_INLINE int32_t operator()(const DoubleRecord& bead, const int64_t* impulse, DoubleRecord& out) {
+            const __m256i* from = reinterpret_cast<const __m256i*>(&bead);
+            const __m256d drift = _mm256_set1_pd(drifts[bead.tag >> kind_shift]);
+            const __m256i mobile = _mm256_castpd_si256(_mm256_cmp_pd(drift, _mm256_setzero_pd(), _CMP_NEQ_OQ));
+            const __m256i kick = _mm256_and_si256(
+                _mm256_and_si256(_mm256_load_si256(reinterpret_cast<const __m256i*>(impulse)), axes), mobile);
+            const __m256i momentum = _mm256_add_epi64(_mm256_load_si256(from + 1), kick);
+            // Positions have 48 bits, at the top; lane 3 holds word and tag and stays.
+            const __m256i step =
+                _mm256_and_si256(_mm256_slli_epi64(to_nearest(_mm256_mul_pd(to_double(momentum), drift)), 16), axes);
+            const __m256i before = _mm256_load_si256(from);
+            const __m256i after = _mm256_add_epi64(before, step);
+            _mm256_store_si256(reinterpret_cast<__m256i*>(&out), after);
+            _mm256_store_si256(reinterpret_cast<__m256i*>(&out) + 1, momentum);
+
+            const __m256i crossed = _mm256_and_si256(_mm256_xor_si256(before, after), _mm256_xor_si256(step, after));
+            const int crossings = _mm256_movemask_pd(_mm256_castsi256_pd(crossed)) & 7;
+            if (__builtin_expect(crossings != 0, 0)) {
+                count_crossings(images, bead.tag & id_mask, crossings, _mm256_movemask_pd(_mm256_castsi256_pd(before)));
+            }
+            // What is left of a momentum in range, made positive, has no upper bits.
+            constexpr int bits = DoubleRecord::momentum_bits;
+            out_of_range = _mm256_or_si256(
+                out_of_range,
+                _mm256_srli_epi64(_mm256_add_epi64(momentum, _mm256_set1_epi64x(int64_t{1} << bits)), bits + 1));
+
+            // Upper 32 of the 96 bits of position times count, from two products.
+            const __m256i low = _mm256_srli_epi64(_mm256_mul_epu32(after, counts), 32);
+            const __m256i cells =
+                _mm256_srli_epi64(_mm256_add_epi64(_mm256_mul_epu32(_mm256_srli_epi64(after, 32), counts), low), 32);
+            const __m128i xy = _mm256_castsi256_si128(cells);
+            const int32_t row =
+                _mm_cvtsi128_si32(_mm256_extracti128_si256(cells, 1)) * rows_y + _mm_extract_epi32(xy, 2);
+            return ranks[row] * cells_x + _mm_cvtsi128_si32(xy);
+        }
+
+        [[nodiscard]] uint64_t overflow() const { return _mm256_testz_si256(out_of_range, axes) != 0 ? 0 : 1; }
+
+      private:
+        __m256i counts, axes, out_of_range;
+        const double* drifts;
+        int32_t* images;
+        const int32_t* ranks;
+        int32_t rows_y, cells_x;
+    };
+};
+
+struct DoubleLanes : CommonLanes<DoubleRecord>, DoubleAdvance {
     static constexpr int width = 4;
     using Real = __m256d;
     using Sum = __m256i;
     using Mask = __m256d;
 
-    // There is no conversion between 64-bit integers and doubles; adding a number whose last bit stands for one makes
-    // the integer appear in the bits of the sum. Positions and momenta need different numbers.
+    // Positions and momenta are converted in different ways.
     struct Place {
         __m256i v;
     };
@@ -375,7 +435,7 @@ struct DoubleLanes : CommonLanes<DoubleRecord> {
         __m128i tag;
     };
 
-    static Beads broadcast(const DoubleRecord& r) {
+    static DLPOLY_INLINE Beads broadcast(const DoubleRecord& r) {
         const auto all_of = [](int64_t v) { return _mm256_set1_epi64x(v); };
         return {{all_of(r.x)},
                 {all_of(r.y)},
@@ -388,7 +448,7 @@ struct DoubleLanes : CommonLanes<DoubleRecord> {
     }
 
     // Four records of two halves: x y z (word, tag) and px py pz −, four 64-bit numbers each.
-    static Beads load(const DoubleRecord* records, const uint32_t* offsets, const uint8_t* accepted) {
+    static DLPOLY_INLINE Beads load(const DoubleRecord* records, const uint32_t* offsets, const uint8_t* accepted) {
         const char* base = reinterpret_cast<const char*>(records);
         const char* at[width];
         for (int lane = 0; lane < width; ++lane) {
@@ -417,38 +477,36 @@ struct DoubleLanes : CommonLanes<DoubleRecord> {
                 _mm_castps_si128(_mm_shuffle_ps(lower, upper, 0xDD))};
     }
 
-    static Real all(double v) { return _mm256_set1_pd(v); }
+    static DLPOLY_INLINE Real all(double v) { return _mm256_set1_pd(v); }
 
     // The 48 upper bits become the mantissa of 2⁶⁸ + u · 2¹⁶, u being offset by 2⁴⁷ to be positive. Exact.
-    static Real difference(Place a, Place b) {
+    static DLPOLY_INLINE Real difference(Place a, Place b) {
         const __m256i offset = _mm256_set1_epi64x(INT64_MIN);
         const __m256i apart = _mm256_srli_epi64(_mm256_sub_epi64(_mm256_xor_si256(a.v, offset), b.v), 16);
         const __m256d number = _mm256_castsi256_pd(_mm256_or_si256(apart, _mm256_castpd_si256(all(0x1p68))));
         return _mm256_sub_pd(number, all(0x1p68 + 0x1p63));
     }
-    // Exact for numbers below 2⁵¹, which differences of momenta in range are.
-    static Real real(Momentum a) {
-        return _mm256_sub_pd(_mm256_castsi256_pd(_mm256_add_epi64(a.v, _mm256_castpd_si256(all(ones)))), all(ones));
-    }
-    static Real difference(Momentum a, Momentum b) { return real(Momentum{_mm256_sub_epi64(a.v, b.v)}); }
+    // Momenta in range, and their differences, are below 2⁵¹.
+    static DLPOLY_INLINE Real real(Momentum a) { return to_double(a.v); }
+    static DLPOLY_INLINE Real difference(Momentum a, Momentum b) { return to_double(_mm256_sub_epi64(a.v, b.v)); }
 
-    static Real multiply(Real a, Real b) { return _mm256_mul_pd(a, b); }
-    static Real add(Real a, Real b) { return _mm256_add_pd(a, b); }
-    static Real subtract(Real a, Real b) { return _mm256_sub_pd(a, b); }
-    static Real multiply_add(Real a, Real b, Real c) { return _mm256_fmadd_pd(a, b, c); }
-    static Real negative_multiply_add(Real a, Real b, Real c) { return _mm256_fnmadd_pd(a, b, c); }
-    static Real multiply_where(Mask m, Real a, Real b) { return _mm256_and_pd(m, _mm256_mul_pd(a, b)); }
-    static Mask positive(Real w, int lanes) {
+    static DLPOLY_INLINE Real multiply(Real a, Real b) { return _mm256_mul_pd(a, b); }
+    static DLPOLY_INLINE Real add(Real a, Real b) { return _mm256_add_pd(a, b); }
+    static DLPOLY_INLINE Real subtract(Real a, Real b) { return _mm256_sub_pd(a, b); }
+    static DLPOLY_INLINE Real multiply_add(Real a, Real b, Real c) { return _mm256_fmadd_pd(a, b, c); }
+    static DLPOLY_INLINE Real negative_multiply_add(Real a, Real b, Real c) { return _mm256_fnmadd_pd(a, b, c); }
+    static DLPOLY_INLINE Real multiply_where(Mask m, Real a, Real b) { return _mm256_and_pd(m, _mm256_mul_pd(a, b)); }
+    static DLPOLY_INLINE Mask positive(Real w, int lanes) {
         const __m256i used = _mm256_cmpgt_epi64(_mm256_set1_epi64x(lanes), _mm256_setr_epi64x(0, 1, 2, 3));
         return _mm256_and_pd(_mm256_castsi256_pd(used), _mm256_cmp_pd(w, _mm256_setzero_pd(), _CMP_GT_OQ));
     }
 
-    static Real inverse_root(Real x) {
+    static DLPOLY_INLINE Real inverse_root(Real x) {
         x = _mm256_max_pd(x, all(1e-60));
         return _mm256_div_pd(all(1.0), _mm256_sqrt_pd(x));
     }
 
-    static Real noise(__m128i a, __m128i b) {
+    static DLPOLY_INLINE Real noise(__m128i a, __m128i b) {
         __m128i x = _mm_add_epi32(a, b);
         x = _mm_xor_si128(x, _mm_srli_epi32(x, 16));
         x = _mm_mullo_epi32(x, _mm_set1_epi32(0x7feb352d));
@@ -457,80 +515,46 @@ struct DoubleLanes : CommonLanes<DoubleRecord> {
         return _mm256_cvtepi32_pd(x);
     }
 
-    struct Tables {
-        __m256d repulsion, drag, noise, inverse_cutoff, energy, inverse_mass;  // of the first four kinds
-        const PairRow<double>* row;
-        const double* inverse_masses;
-        bool more;  // than four kinds
+    // Constants of pairs, one a lane.
+    struct Pairs {
+        __m256d repulsion, drag, noise, inverse_cutoff, energy, inverse_mass;
     };
-    template <bool one_kind>
-    static Tables tables(const PairRow<double>& row, const double* inverse_mass) {
-        if constexpr (one_kind) {
-            return {all(row.repulsion[0]),
-                    all(row.drag[0]),
-                    all(row.noise[0]),
-                    all(row.inverse_cutoff[0]),
-                    all(row.energy[0]),
-                    all(inverse_mass[0]),
-                    nullptr,
-                    nullptr,
-                    false};
-        } else {
-            return {_mm256_loadu_pd(row.repulsion),
-                    _mm256_loadu_pd(row.drag),
-                    _mm256_loadu_pd(row.noise),
-                    _mm256_loadu_pd(row.inverse_cutoff),
-                    _mm256_loadu_pd(row.energy),
-                    _mm256_loadu_pd(inverse_mass),
-                    &row,
-                    inverse_mass,
-                    row.inverse_cutoff[4] > 0.0};
-        }
+    static DLPOLY_INLINE Pairs only_pair(const PairRow<double>& row, double inverse_mass) {
+        return {all(row.repulsion[0]),      all(row.drag[0]),   all(row.noise[0]),
+                all(row.inverse_cutoff[0]), all(row.energy[0]), all(inverse_mass)};
     }
-    template <bool one_kind, bool drag, bool observe>
-    static Tables look_up(const Tables& t, __m128i tag) {
-        if constexpr (one_kind) {
-            return t;
-        } else {
-            const __m128i kind = _mm_srli_epi32(tag, kind_shift);
-            const auto all_picks = [&](auto pick) {
-                Tables result{};
-                result.repulsion = pick(t.repulsion, t.row->repulsion);
-                result.inverse_cutoff = pick(t.inverse_cutoff, t.row->inverse_cutoff);
-                if constexpr (drag) {
-                    result.drag = pick(t.drag, t.row->drag);
-                    result.noise = pick(t.noise, t.row->noise);
-                    result.inverse_mass = pick(t.inverse_mass, t.inverse_masses);
-                }
-                if constexpr (observe) {
-                    result.energy = pick(t.energy, t.row->energy);
-                }
-                return result;
-            };
-            if (__builtin_expect(t.more, 0)) {
-                const __m256d every = _mm256_castsi256_pd(_mm256_set1_epi64x(-1));
-                return all_picks([&](__m256d, const double* table) {
-                    return _mm256_mask_i32gather_pd(_mm256_setzero_pd(), table, kind, every, 8);
-                });
-            }
-            // A double is picked as its two halves, numbers 2 kind and 2 kind + 1.
-            const __m256i twice = _mm256_cvtepu32_epi64(_mm_add_epi32(kind, kind));
-            const __m256i halves = _mm256_or_si256(_mm256_or_si256(twice, _mm256_slli_epi64(twice, 32)),
-                                                   _mm256_set1_epi64x(int64_t{1} << 32));
-            return all_picks([&](__m256d low, const double*) {
-                return _mm256_castps_pd(_mm256_permutevar8x32_ps(_mm256_castpd_ps(low), halves));
+
+    struct Tables {
+        const PairRow<double>& row;
+        const double* inverse_mass;
+        bool more;  // than the four kinds that one look-up reaches; kinds that exist have a cutoff
+    };
+    static DLPOLY_INLINE Tables tables(const PairRow<double>& row, const double* inverse_mass) {
+        return {row, inverse_mass, row.inverse_cutoff[4] > 0.0};
+    }
+    template <bool drag, bool observe>
+    static DLPOLY_INLINE Pairs look_up(const Tables& t, __m128i tag) {
+        const __m128i kind = _mm_srli_epi32(tag, kind_shift);
+        if (__builtin_expect(t.more, 0)) {
+            const __m256d every = _mm256_castsi256_pd(_mm256_set1_epi64x(-1));
+            return pick<drag, observe, Pairs>(t, [&](const double* table) {
+                return _mm256_mask_i32gather_pd(_mm256_setzero_pd(), table, kind, every, 8);
             });
         }
+        // A double is picked as its two halves, numbers 2 kind and 2 kind + 1.
+        const __m256i twice = _mm256_cvtepu32_epi64(_mm_add_epi32(kind, kind));
+        const __m256i halves =
+            _mm256_or_si256(_mm256_or_si256(twice, _mm256_slli_epi64(twice, 32)), _mm256_set1_epi64x(int64_t{1} << 32));
+        return pick<drag, observe, Pairs>(t, [&](const double* table) {
+            const __m256 four = _mm256_castpd_ps(_mm256_loadu_pd(table));
+            return _mm256_castps_pd(_mm256_permutevar8x32_ps(four, halves));
+        });
     }
 
-    static Sum no_sum() { return _mm256_setzero_si256(); }
-    // Exact below 2⁵¹; what is larger counts as at least that, and is found to be out of range when it is used.
-    static Sum add_nearest(Sum sum, Real v) {
-        const __m256i bits = _mm256_castpd_si256(_mm256_add_pd(v, all(ones)));
-        return _mm256_add_epi64(sum, _mm256_sub_epi64(bits, _mm256_castpd_si256(all(ones))));
-    }
+    static DLPOLY_INLINE Sum no_sum() { return _mm256_setzero_si256(); }
+    static DLPOLY_INLINE Sum add_nearest(Sum sum, Real v) { return _mm256_add_epi64(sum, to_nearest(v)); }
 
-    static void store_sums(Sum x, Sum y, Sum z, int64_t* out) {
+    static DLPOLY_INLINE void store_sums(Sum x, Sum y, Sum z, int64_t* out) {
         const auto fold = [](__m256i v) {
             return _mm_add_epi64(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
         };
@@ -540,13 +564,10 @@ struct DoubleLanes : CommonLanes<DoubleRecord> {
         out[2] = _mm_cvtsi128_si64(fz) + _mm_extract_epi64(fz, 1);
     }
 
-    static double total(Real v) {
+    static DLPOLY_INLINE double total(Real v) {
         const __m128d two = _mm_add_pd(_mm256_castpd256_pd128(v), _mm256_extractf128_pd(v, 1));
         return _mm_cvtsd_f64(_mm_add_sd(two, _mm_unpackhi_pd(two, two)));
     }
-
-  private:
-    static constexpr double ones = 0x1.8p52;  // its last bit stands for one, also after adding less than 2⁵¹
 };
 
 }  // namespace dlpoly::fast::DLPOLY_SIMD

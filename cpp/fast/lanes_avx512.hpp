@@ -293,8 +293,11 @@ struct DoubleAdvance {
             if (__builtin_expect(crossings != 0, 0)) {
                 count_crossings(images, bead.tag & id_mask, crossings, _mm256_movemask_pd(_mm256_castsi256_pd(before)));
             }
-            out_of_range =
-                _mm256_or_si256(out_of_range, _mm256_xor_si256(momentum, _mm256_add_epi64(momentum, momentum)));
+            // What is left of a momentum in range, made positive, has no upper bits.
+            constexpr int bits = DoubleRecord::momentum_bits;
+            out_of_range = _mm256_or_si256(
+                out_of_range,
+                _mm256_srli_epi64(_mm256_add_epi64(momentum, _mm256_set1_epi64x(int64_t{1} << bits)), bits + 1));
 
             // Upper 32 of the 96 bits of position times count, from two products.
             const __m256i low = _mm256_srli_epi64(_mm256_mul_epu32(after, counts), 32);
@@ -306,9 +309,7 @@ struct DoubleAdvance {
             return ranks[row] * cells_x + _mm_cvtsi128_si32(xy);
         }
 
-        [[nodiscard]] uint64_t overflow() const {
-            return static_cast<uint64_t>(_mm256_movemask_pd(_mm256_castsi256_pd(out_of_range)) & 7);
-        }
+        [[nodiscard]] uint64_t overflow() const { return _mm256_testz_si256(out_of_range, axes) != 0 ? 0 : 1; }
 
       private:
         __m256i counts, axes, out_of_range;
