@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import os
+
+# Threads wait for each other many times a step. GNU's OpenMP would spin for milliseconds before it sleeps, which starves
+# the very thread that is waited for when the processors are shared; it reads this when the core is loaded.
+os.environ.setdefault("GOMP_SPINCOUNT", "20000")
+
 try:
     from pydlpoly._core import __version__
 except ImportError as error:  # the source folder shadows the installed package, or the install is broken
