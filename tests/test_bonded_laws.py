@@ -68,7 +68,7 @@ ROWS: dict[tuple[str, str], Row] = {
 LAWS = {(law["kind"], law["key"]): law for law in _core.bonded_laws()}
 DIRECTIVES = {"bond": "bonds", "angle": "angles", "dihedral": "dihedrals", "inversion": "inversions", "tether": "teth"}
 BEADS = {"bond": 2, "angle": 3, "dihedral": 4, "inversion": 4, "tether": 1}
-EVERY = pytest.mark.parametrize(("kind", "key"), sorted(ROWS), ids="-".join)
+EVERY = pytest.mark.parametrize(("kind", "key"), sorted(ROWS), ids=[f"{kind}-{key}" for kind, key in sorted(ROWS)])
 
 
 def test_the_table_is_complete() -> None:
@@ -175,13 +175,13 @@ def test_momentum_torque_and_virial(kind: str, key: str) -> None:
     assert np.abs(point.forces.sum(axis=0)).max() <= 1e-13
     largest = max(1.0, np.abs(point.forces).max())
     # The box splits the beads; their places relative to each other are those they were made from.
-    assert np.abs(np.cross(PLACES, point.forces).sum(axis=0)).max() <= 1e-12 * largest
+    assert np.abs(np.cross(PLACES, point.forces).sum(axis=0)).max() <= 1e-11 * largest
     volume = abs(np.linalg.det(scene.cell))
     wanted = PLACES.T @ point.forces
-    assert point.stress * volume == pytest.approx(wanted, abs=1e-12 * largest)
-    assert point.virial == pytest.approx(-wanted.trace(), abs=1e-12 * largest)
+    assert point.stress * volume == pytest.approx(wanted, abs=1e-11 * largest)
+    assert point.virial == pytest.approx(-wanted.trace(), abs=1e-11 * largest)
     if kind in ("dihedral", "inversion") and key != "calc":
-        assert point.virial == pytest.approx(0.0, abs=1e-12 * largest)
+        assert point.virial == pytest.approx(0.0, abs=1e-11 * largest)
 
 
 @EVERY

@@ -135,6 +135,9 @@ void BondedForces::scaled_pair(const ScaledPair& pair, const bonded::Places& pla
     const bool certain = places.image.shorten(d);
     failure.length = d.norm();
     if (!certain) {
+        if (pairs.reach_squared()[term] <= places.image.limit() * places.image.limit()) {
+            return;  // out of reach in every image
+        }
         failure.too_long = true;
         worker.fail(failure);
         return;
