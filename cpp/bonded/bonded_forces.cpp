@@ -17,8 +17,8 @@ namespace {
 
 // Terms a thread should have before another one pays for the waiting.
 constexpr std::size_t terms_a_thread = 2000;
-// The grid leaves room for terms this many times the expected ones before a step has to be repeated on a coarser one.
-constexpr double margin = 8.0;
+// How much finer than that of the forces the grid of energies is: by log2(largest_wide_term / largest_term).
+constexpr int wide_bits = 10;
 
 const bonded::LawInfo& scaled_pair_info() {
     static constexpr bonded::LawInfo info{.kind = bonded::Kind::dihedral,
@@ -138,6 +138,9 @@ void BondedForces::scaled_pair(const ScaledPair& pair, const bonded::Places& pla
     const bool certain = places.image.shorten(d);
     failure.length = d.norm();
     if (!certain) {
+        if (pairs.reach_squared()[term] <= places.image.limit() * places.image.limit()) {
+            return;  // out of reach in every image
+        }
         failure.too_long = true;
         worker.fail(failure);
         return;
@@ -225,8 +228,8 @@ void BondedForces::add_to(const Box& box, Particles& particles, const PairTable&
     if (!scaled_.empty() && pair_force_ < 0.0) {
         pair_force_ = pairs.characteristic_force(thermal_energy_);
     }
-    int exponent = grid_exponent(margin * std::max({largest_.force, pair_force_, 1e-12}));
-    int energy_exponent = grid_exponent(margin * std::max({largest_.energy, pair_force_ * pairs.range(), 1e-12}));
+    int exponent = grid_exponent(std::max({largest_.force, pair_force_, 1e-12}));
+    int energy_exponent = wide_bits + grid_exponent(std::max({largest_.energy, pair_force_ * pairs.range(), 1e-12}));
     for (;;) {
         sums_.assign(3 * frozen_.size(), 0);
         const bonded::Request request{Vector3::Constant(std::ldexp(1.0, exponent)), std::ldexp(1.0, energy_exponent),

@@ -20,6 +20,9 @@ struct Request {
     bool observe = false;             // also energies and virials
 };
 
+// Energies and virials are added in 128 bits: their terms may be this large.
+inline constexpr double largest_wide_term = 0x1p61;
+
 // The terms' kinds, and after them the pairs with a scaled pair law.
 inline constexpr std::size_t components = kinds + 1;
 inline constexpr std::size_t scaled_pairs = kinds;
@@ -109,8 +112,8 @@ class Worker {
         virial *= request_.energy_scale;
         const double scaled = energy * request_.energy_scale;
         const double largest = std::max(std::abs(scaled), virial.cwiseAbs().maxCoeff());
-        largest_energy_ = std::max(largest_energy_, largest / largest_term);
-        if (!(largest < largest_term)) {
+        largest_energy_ = std::max(largest_energy_, largest / largest_wide_term);
+        if (!(largest < largest_wide_term)) {
             return;
         }
         energy_[component].add(std::llrint(scaled));

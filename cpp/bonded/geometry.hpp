@@ -24,7 +24,7 @@ class MinimumImage {
         limit_ = 0.5 * width;
     }
 
-    // A vector longer than this is not known to be the shortest image.
+    // A vector that is longer than this along the periodic axes is not known to be the shortest image.
     [[nodiscard]] double limit() const noexcept { return limit_; }
 
     // False when even the shortest image found is longer than the limit.
@@ -34,12 +34,15 @@ class MinimumImage {
             return true;
         }
         const Vector3 s = box_.fractional(vector);
+        Vector3 periodic_part = Vector3::Zero();
         for (int axis = 0; axis < 3; ++axis) {
             if (box_.periodic()[static_cast<std::size_t>(axis)]) {
-                vector -= std::rint(s[axis]) * box_.cell().row(axis).transpose();
+                const double cells = std::rint(s[axis]);
+                vector -= cells * box_.cell().row(axis).transpose();
+                periodic_part += (s[axis] - cells) * box_.cell().row(axis).transpose();
             }
         }
-        return vector.squaredNorm() <= limit_squared;
+        return periodic_part.squaredNorm() <= limit_squared;
     }
 
   private:

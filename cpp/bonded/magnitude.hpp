@@ -53,28 +53,30 @@ std::vector<Sample> samples(const Law& law) {
 
 }  // namespace detail
 
-// The largest of both where U rises up to 50 k_B T above its minimum; without a temperature, a multiple of the middle.
+// The largest of both around the coordinate where the law is flattest, as far as U stays within 50 k_B T; without a
+// temperature, a multiple of the middle ones.
 template <class Law>
 Magnitude magnitude(const Law& law, double thermal_energy) {
     std::vector<detail::Sample> found = detail::samples(law);
     if (found.empty()) return {};
-    Magnitude largest;
-    if (thermal_energy > 0.0) {
-        const auto lowest = std::min_element(found.begin(), found.end(),
-                                             [](const auto& a, const auto& b) { return a.energy < b.energy; });
-        const double limit = lowest->energy + 50.0 * thermal_energy;
-        for (const detail::Sample& sample : found) {
-            if (sample.energy <= limit) {
-                largest.force = std::max(largest.force, sample.force);
-                largest.energy = std::max({largest.energy, std::abs(sample.energy), sample.virial});
-            }
-        }
-        return largest;
+    const auto weaker = [](const detail::Sample& a, const detail::Sample& b) { return a.force < b.force; };
+    if (!(thermal_energy > 0.0)) {
+        const auto middle = found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2);
+        std::nth_element(found.begin(), middle, found.end(), weaker);
+        return {64.0 * middle->force, 64.0 * std::max(std::abs(middle->energy), middle->virial)};
     }
-    const auto middle = found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2);
-    std::nth_element(found.begin(), middle, found.end(),
-                     [](const auto& a, const auto& b) { return a.force < b.force; });
-    return {64.0 * middle->force, 64.0 * std::max(std::abs(middle->energy), middle->virial)};
+    Magnitude largest;
+    const auto take = [&](const detail::Sample& sample) {
+        largest.force = std::max(largest.force, sample.force);
+        largest.energy = std::max({largest.energy, std::abs(sample.energy), sample.virial});
+    };
+    const auto flattest = std::min_element(found.begin(), found.end(), weaker);
+    const auto near = [&](const detail::Sample& sample) {
+        return std::abs(sample.energy - flattest->energy) <= 50.0 * thermal_energy;
+    };
+    for (auto sample = flattest; sample != found.end() && near(*sample); ++sample) take(*sample);
+    for (auto sample = flattest; sample != found.begin() && near(*(sample - 1)); --sample) take(*(sample - 1));
+    return largest;
 }
 
 }  // namespace dlpoly::bonded

@@ -201,8 +201,8 @@ def _check_lengths(
     for term in bonded.terms:
         for a, b in _VECTORS[term.kind]:
             apart = beads.positions[term.beads[:, a]] - beads.positions[term.beads[:, b]]
-            cells = np.rint(apart @ inverse) * np.array(periodic)
-            lengths = np.linalg.norm(apart - cells @ cell, axis=1)
+            fractions = (apart @ inverse) * np.array(periodic)
+            lengths = np.linalg.norm((fractions - np.rint(fractions)) @ cell, axis=1)
             if (lengths > limit).any():
                 worst = int(lengths.argmax())
                 i, j = sorted(int(term.beads[worst, k]) + 1 for k in (a, b))
