@@ -171,7 +171,9 @@ def test_energies_and_stress_add_up() -> None:
 
 def test_output_has_the_bonded_pressure(tmp_path: Path) -> None:
     for blocks, expected in ((FULL, True), ({}, False)):
-        simulation = Simulation(melt(blocks, copies=10, control={**DPD, "stats_frequency": "1 steps"}), seed=3, threads=1)
+        simulation = Simulation(
+            melt(blocks, copies=10, control={**DPD, "stats_frequency": "1 steps"}), seed=3, threads=1
+        )
         reporter = OutputReporter(simulation, tmp_path / "OUTPUT")
         simulation.reporters.append(reporter)
         simulation.run(2)
@@ -323,8 +325,12 @@ def test_open_axes_have_no_shortest_image() -> None:
 def test_images_in_a_skewed_cell(vectors: list[list[float]]) -> None:
     """The same molecules, wrapped into the cell and not: terms see the same shape."""
     positions = chains(40, 5, vectors, seed=5)
-    whole = molecule_scene(NAMES, {"bonds": BONDS, "angles": ANGLES, "dihedrals": DIHEDRALS}, positions, copies=40, cell=50.0)
-    cut = molecule_scene(NAMES, {"bonds": BONDS, "angles": ANGLES, "dihedrals": DIHEDRALS}, positions, copies=40, cell=vectors)
+    whole = molecule_scene(
+        NAMES, {"bonds": BONDS, "angles": ANGLES, "dihedrals": DIHEDRALS}, positions, copies=40, cell=50.0
+    )
+    cut = molecule_scene(
+        NAMES, {"bonds": BONDS, "angles": ANGLES, "dihedrals": DIHEDRALS}, positions, copies=40, cell=vectors
+    )
     assert not np.allclose(cut.beads.positions, positions)
     a, b = single_point(whole), single_point(cut)
     assert b.forces == pytest.approx(a.forces, abs=1e-11 * np.abs(a.forces).max())

@@ -72,7 +72,7 @@ void BondedForces::add(bonded::Kind kind, std::string_view key, std::span<const 
     bounds_.clear();
 }
 
-int BondedForces::wide_energy_exponent() const noexcept { return grid_exponent(std::max(largest_.energy, 1e-12)) - 16; }
+int BondedForces::wide_energy_exponent() const noexcept { return grid_exponent(std::max(largest_.energy, 1e-12)) - 12; }
 
 void BondedForces::set_anchors(Array3N anchors) {
     if (anchors.rows() != static_cast<Eigen::Index>(frozen_.size()) || !anchors.allFinite()) {
