@@ -11,10 +11,13 @@ import numpy
 import numpy.typing
 
 __all__: list[str] = [
+    "BondedTerms",
     "PairTable",
     "Precision",
     "StepSettings",
     "System",
+    "bonded_laws",
+    "evaluate_bonded",
     "evaluate_pair",
     "has_threads",
     "mix",
@@ -28,6 +31,37 @@ __all__: list[str] = [
     "thread_limit",
     "word_noise",
 ]
+
+class BondedTerms:
+    """
+    The bonded terms of one System.
+    """
+    def __init__(
+        self, frozen: collections.abc.Sequence[bool], thermal_energy: typing.SupportsFloat | typing.SupportsIndex
+    ) -> None: ...
+    def add(
+        self,
+        kind: str,
+        key: str,
+        parameters: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        beads: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32],
+    ) -> None:
+        """
+        Adds terms of one law and one set of parameters; beads has one term a row, ids counted from 0.
+        """
+    def add_scaled_pair(
+        self,
+        i: typing.SupportsInt | typing.SupportsIndex,
+        j: typing.SupportsInt | typing.SupportsIndex,
+        scale: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None:
+        """
+        A pair that feels its pair law times a factor, without drag and noise.
+        """
+    def set_anchors(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+        """
+        Where tethers hold their beads, (N, 3).
+        """
 
 class PairTable:
     """
@@ -199,6 +233,16 @@ class System:
         """
         Takes steps and observes the last one.
         """
+    def set_bonded(
+        self,
+        terms: BondedTerms,
+        excluded: collections.abc.Sequence[
+            tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex]
+        ],
+    ) -> None:
+        """
+        Takes the bonded terms, which are then empty, and the pairs of beads that have no pair forces.
+        """
     def set_cell_width(self, width: typing.SupportsFloat | typing.SupportsIndex) -> None:
         """
         Link cells of at least this width instead of one range; never changes results.
@@ -206,6 +250,16 @@ class System:
     def wrap(self) -> None:
         """
         Brings positions that were set back into the cell, counting the cells they cross.
+        """
+    @property
+    def bonded_energies(self) -> list[float]:
+        """
+        Energies of bonds, angles, dihedrals, inversions and tethers.
+        """
+    @property
+    def bonded_virial_tensors(self) -> list[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]]:
+        """
+        Σ F_a r_b of bonds, angles, dihedrals, inversions and tethers.
         """
     @property
     def cell_counts(self) -> typing.Annotated[list[int], "FixedSize(3)"]: ...
@@ -256,6 +310,22 @@ class System:
     def velocities(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None: ...
     @property
     def volume(self) -> float: ...
+
+def bonded_laws() -> list[dict[str, typing.Any]]:
+    """
+    Every bonded law: kind, keys, parameter names and what the scene must know about it.
+    """
+
+def evaluate_bonded(
+    kind: str,
+    key: str,
+    parameters: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+    coordinates: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+    """
+    Energies (n,) and derivatives (n, k) of a law at the coordinates (n, k): a length or an angle, or for angles
+    the angle and both distances from the vertex. Angles in radians. Raises ValueError naming a bad parameter.
+    """
 
 def evaluate_pair(
     key: str,

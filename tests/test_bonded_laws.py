@@ -1,4 +1,4 @@
-"""Every bonded law: its record, its slope, forces against the slope of the energy, units, and where it has no direction.
+"""Every bonded law: its record, its slope, forces against the slope of the energy, units, places without a direction.
 
 ``ROWS`` is the reference table: a law that is not in it fails a test.
 """
@@ -85,7 +85,9 @@ def test_records(kind: str, key: str) -> None:
     assert [n for k, n in enumerate(names) if law["energy_mask"] >> k & 1] == row.energies.split()
     assert [n for k, n in enumerate(names) if law["degree_mask"] >> k & 1] == row.degrees.split()
     assert (law["restraint_key"] == "") == (kind == "tether")
-    with pytest.raises(ValueError, match=rf"^{kind} law {key} takes {len(names)} numbers \(.*\), not {len(names) + 1}$"):
+    with pytest.raises(
+        ValueError, match=rf"^{kind} law {key} takes {len(names)} numbers \(.*\), not {len(names) + 1}$"
+    ):
         evaluate(kind, key, (*row.numbers, 1.0), np.ones((1, 3 if kind == "angle" else 1)))
     for k in range(len(names)):
         bad = [*row.numbers]
@@ -129,7 +131,9 @@ def test_slopes(kind: str, key: str) -> None:
 PLACES = np.array([[0.1, 0.2, -0.1], [1.0, 0.5, 0.3], [1.3, 1.4, -0.2], [2.2, 1.3, 0.6]])
 
 
-def scene_of(kind: str, key: str, *, restraint: bool = False, positions: FloatArray = PLACES, units: str = "dpd") -> Scene:
+def scene_of(
+    kind: str, key: str, *, restraint: bool = False, positions: FloatArray = PLACES, units: str = "dpd"
+) -> Scene:
     """Four beads with one term of the law (bonds: three) and no pair laws; the box splits them."""
     law, numbers = LAWS[kind, key], [f"{x!r}" for x in ROWS[kind, key].numbers]
     if kind == "dihedral":

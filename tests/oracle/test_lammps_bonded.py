@@ -17,7 +17,10 @@ from .lammps_runs import Printed, run_lammps
 EXACT = 1e-10
 COPIES, LENGTH = 50, 5
 PAIRS = ("H H dpd 25.0 1.0", "H T dpd 50.0 1.0", "T T dpd 25.0 1.0")
-CELLS = {"orthorhombic": np.diag([6.0, 5.5, 6.3]), "triclinic": np.array([[6.0, 0, 0], [1.7, 5.5, 0], [-1.2, 2.1, 6.3]])}
+CELLS = {
+    "orthorhombic": np.diag([6.0, 5.5, 6.3]),
+    "triclinic": np.array([[6.0, 0, 0], [1.7, 5.5, 0], [-1.2, 2.1, 6.3]]),
+}
 BONDS = [f"harm {k} {k + 1} 64.0 0.5" for k in range(1, LENGTH)]
 ANGLES = [f"harm {k} {k + 1} {k + 2} 12.0 140.0" for k in range(1, LENGTH - 1)]
 
@@ -30,12 +33,27 @@ def write_molecules(path: Path, scene: Scene, terms: dict[str, NDArray[np.int32]
     counts += [f"{len(rows)} {name.lower()}\n1 {name.lower()[:-1]} types" for name, rows in terms.items()]
     box = [f"{low[k]:.17g} {low[k] + cell[k, k]:.17g} {axis}lo {axis}hi" for k, axis in enumerate("xyz")]
     if np.any(np.tril(cell, -1)):
-        box.append("{:.17g} {:.17g} {:.17g} xy xz yz".format(cell[1, 0], cell[2, 0], cell[2, 1]))
+        box.append(f"{cell[1, 0]:.17g} {cell[2, 0]:.17g} {cell[2, 1]:.17g} xy xz yz")
     atoms = [
         f"{k} {m + 1} {s + 1} " + " ".join(f"{x:.17g}" for x in place)
         for k, (m, s, place) in enumerate(zip(beads.molecule, beads.species, beads.positions, strict=True), 1)
     ]
-    lines = ["molecules", "", *counts, "", *box, "", "Masses", "", "1 1.0", "2 1.0", "", "Atoms # molecular", "", *atoms]
+    lines = [
+        "molecules",
+        "",
+        *counts,
+        "",
+        *box,
+        "",
+        "Masses",
+        "",
+        "1 1.0",
+        "2 1.0",
+        "",
+        "Atoms # molecular",
+        "",
+        *atoms,
+    ]
     for name, rows in terms.items():
         lines += ["", name, "", *(f"{k} 1 " + " ".join(map(str, row + 1)) for k, row in enumerate(rows, 1))]
     path.write_text("\n".join([*lines, ""]))
