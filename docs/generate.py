@@ -140,6 +140,21 @@ def pair_laws() -> str:
     return table(headers, rows)
 
 
+def bonded_laws() -> str:
+    """Return the registry of bonded laws."""
+    headers = ["block", "key", "restraint", "numbers in FIELD", "law"]
+    rows = []
+    for law in _core.bonded_laws():
+        names = law["parameter_names"]
+        words = []
+        for k, name in enumerate(names):
+            word = f"**{name}**" if law["energy_mask"] >> k & 1 else f"{name}°" if law["degree_mask"] >> k & 1 else name
+            words.append(f"[{word}]" if k >= len(names) - law["optional"] else word)
+        block = "teth" if law["kind"] == "tether" else f"{law['kind']}s"
+        rows.append([code(block), code(law["key"]), code(law["restraint_key"]), " ".join(words), law["description"]])
+    return table(headers, rows)
+
+
 def statis_columns() -> str:
     """Return the columns of STATIS."""
     rows = ([str(q.index), code(q.name), q.label, q.unit] for q in STATISTICS_NAMES)
@@ -189,6 +204,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "control-ignored": control_ignored,
     "control-synonyms": control_synonyms,
     "pair-laws": pair_laws,
+    "bonded-laws": bonded_laws,
     "statis-columns": statis_columns,
     "energy-units": energy_units,
     "constants": constants,

@@ -1,4 +1,4 @@
-"""Every bonded law: its record, its slope, forces against the slope of the energy, units, and where it has no direction.
+"""Every bonded law: its record, its slope, forces against the slope of the energy, units, places without a direction.
 
 ``ROWS`` is the reference table: a law that is not in it fails a test.
 """

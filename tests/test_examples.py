@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import runpy
 from importlib import resources
 from pathlib import Path
 
@@ -19,7 +20,24 @@ NAMES = sorted(folder.name for folder in SOURCE.iterdir() if folder.is_dir())
 
 
 def test_there_are_examples() -> None:
-    assert {"argon", "mixture", "water"} <= set(NAMES)
+    assert {"argon", "lipid", "mixture", "water"} <= set(NAMES)
+
+
+def test_the_lipid_example_is_what_its_script_writes() -> None:
+    script = runpy.run_path(str(SOURCE.parents[1] / "docs" / "make_lipid_example.py"))
+    for name, text in script["files"]().items():
+        assert (SOURCE / "lipid" / name).read_text(encoding="utf-8") == text
+
+
+def test_the_lipid_example_has_a_bilayer(tmp_path: Path) -> None:
+    """After 2 time units the heads still lie between tails and water, and the bonds have their length."""
+    scene = load(example_folder("lipid"))
+    simulation = run_scene(scene, tmp_path, steps=200, seed=1, threads=1).simulation
+    heights = np.abs(simulation.state.positions[:, 2])
+    head, tail, water = (heights[scene.beads.species == k].mean() for k in range(3))
+    assert tail < head < water
+    energy = simulation.energy["bond"] / 960
+    assert 0.3 < energy < 0.9, "near k_B T / 2 and what the pair forces add"
 
 
 def test_installed_examples_are_those_of_the_sources() -> None:

@@ -11,6 +11,7 @@ import pytest
 import pydlpoly
 from pydlpoly import SceneError, _core, load
 from pydlpoly.cli import example_folder, example_names
+from pydlpoly.formats.field_keys import BONDED
 from pydlpoly.formats.keywords import KEYWORDS
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -69,29 +70,38 @@ def example_with(tmp_path: Path, **changes: tuple[str, str]) -> Path:
     return tmp_path
 
 
-TWO_BEADS = "nummols 1500\natoms 2\nW 1.0 0.0 2\n"
-BONDED = {
-    "bonds": "bonds 1\nharm 1 2 10.0 0.5\n",
-    "angles": "angles 1\nharm 1 2 3 10.0 120.0\n",
-    "dihedrals": "dihedrals 1\ncos 1 2 3 4 10.0 0.0 1\n",
-    "inversions": "inversions 1\nharm 1 2 3 4 10.0 0.0\n",
-    "tethers": "teth 1\nharm 1 10.0\n",
-    "constraints": "constraints 1\n1 2 0.5\n",
-    "rigid": "rigid 1\n2 1 2\n",
-    "shells": "shell 1\n1 2 10.0\n",
+REFUSED_BLOCKS = {
+    "constraints": ("constraints 1\n1 2 0.5\n", "constraints"),
+    "rigid units": ("rigid 1\n2 1 2\n", "rigid"),
+    "shells": ("shell 1\n1 2 10.0\n", "shells"),
+    "mean-force constraints": ("pmf 1.0\npmf unit 1\n1 0.0\npmf unit 1\n2 0.0\n", "pmf"),
+    "tabulated bonded laws": ("bonds 1\ntab 1 2\n", "tab"),
+    "Coulomb bonds": ("bonds 1\ncoul 1 2 0.5\n", "coul"),
 }
-BEADS = {"angles": 3, "dihedrals": 4, "inversions": 4}
 
 
-@pytest.mark.parametrize("block", BONDED)
-def test_bonded_terms_are_refused(block: str, tmp_path: Path) -> None:
-    assert block in row("molecules")[1]
-    beads = BEADS.get(block, 2)
-    molecule = f"nummols {3000 // beads}\natoms {beads}\nW 1.0 0.0 {beads}\n{BONDED[block]}"
+@pytest.mark.parametrize("words", REFUSED_BLOCKS)
+def test_blocks_that_are_refused(words: str, tmp_path: Path) -> None:
+    assert words in row("molecules")[1]
+    block, word = REFUSED_BLOCKS[words]
+    molecule = f"nummols 1500\natoms 2\nW 1.0 0.0 2\n{block}"
     folder = example_with(tmp_path, FIELD=("nummols 3000\natoms 1\nW 1.0 0.0\n", molecule))
     with pytest.raises(SceneError, match="not modelled") as caught:
         load(folder)
-    assert caught.value.word == block
+    assert caught.value.word == word
+
+
+def test_bonded_terms() -> None:
+    kinds = dict.fromkeys(law["kind"] for law in _core.bonded_laws())
+    assert list(kinds) == ["bond", "angle", "dihedral", "inversion", "tether"]
+    assert "bonds, angles, dihedrals, inversions, tethers" in row("molecules")[0]
+    # Every law of the FIELD reader is there, but for the two kinds that the row refuses by name.
+    for directive, kind in zip(("bonds", "angles", "dihedrals", "inversions", "tethers"), kinds, strict=True):
+        laws = [law for law in _core.bonded_laws() if law["kind"] == kind]
+        keys = {law["key"] for law in laws} | {law["restraint_key"] for law in laws} - {""}
+        missing = BONDED[directive].keys - keys
+        assert missing == ({"tab", "-tab", "coul", "-cul"} & BONDED[directive].keys)
+        assert keys <= BONDED[directive].keys
 
 
 @pytest.mark.parametrize(

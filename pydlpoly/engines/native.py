@@ -159,11 +159,11 @@ def _bonded_terms(scene: Scene, bonded: Bonded) -> _core.BondedTerms:
     terms = _core.BondedTerms(scene.beads.frozen.tolist(), scene.dynamics.thermal_energy)
     if bonded.anchors is not None:
         terms.set_anchors(bonded.anchors)
-    for term in bonded.terms:
-        try:
+    try:
+        for term in bonded.terms:
             terms.add(term.kind, term.law, list(term.parameters), term.beads)
-        except ValueError as error:
-            raise SceneError(f"{term.kind} {term.law}: {error}") from error
+    except ValueError as error:
+        raise SceneError(str(error)) from error
     for (i, j), scale in zip(bonded.scaled.tolist(), bonded.scales.tolist(), strict=True):
         terms.add_scaled_pair(i, j, scale)
     return terms

@@ -65,8 +65,8 @@ def resolve_bonded(
         notes: receives choices and what has no effect.
 
     Raises:
-        SceneError: a law that is not modelled, numbers it cannot take, or beads of a term so far apart at the start that
-            the image is not certain.
+        SceneError: a law that is not modelled, numbers it cannot take, or beads of a term so far apart at the start
+            that the image is not certain.
     """
     parts = []
     first = 0

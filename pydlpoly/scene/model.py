@@ -114,8 +114,8 @@ class BondedTerm:
         kind: "bond", "angle", "dihedral", "inversion" or "tether".
         law: the law's key without the sign of the restraint form ("harm", "cos", …).
         parameters: the law's numbers in internal units, angles in radians.
-        beads: (n, k) ids, one term a row, in FIELD's order: k is 2 for bonds, 3 for angles (the vertex in the middle), 4
-            for dihedrals and inversions (the centre first), 1 for tethers.
+        beads: (n, k) ids, one term a row, in FIELD's order: k is 2 for bonds, 3 for angles (the vertex in the middle),
+            4 for dihedrals and inversions (the centre first), 1 for tethers.
         restraint: whether the beads keep their pair forces.
         molecule: index into ``Scene.molecule_names``.
         explanation: where the numbers come from ("FIELD:12, FIELD:13").

@@ -33,7 +33,7 @@ def write_molecules(path: Path, scene: Scene, terms: dict[str, NDArray[np.int32]
     counts += [f"{len(rows)} {name.lower()}\n1 {name.lower()[:-1]} types" for name, rows in terms.items()]
     box = [f"{low[k]:.17g} {low[k] + cell[k, k]:.17g} {axis}lo {axis}hi" for k, axis in enumerate("xyz")]
     if np.any(np.tril(cell, -1)):
-        box.append("{:.17g} {:.17g} {:.17g} xy xz yz".format(cell[1, 0], cell[2, 0], cell[2, 1]))
+        box.append(f"{cell[1, 0]:.17g} {cell[2, 0]:.17g} {cell[2, 1]:.17g} xy xz yz")
     atoms = [
         f"{k} {m + 1} {s + 1} " + " ".join(f"{x:.17g}" for x in place)
         for k, (m, s, place) in enumerate(zip(beads.molecule, beads.species, beads.positions, strict=True), 1)

@@ -13,6 +13,7 @@ TITLES = [
     "System",
     "Integrator and thermostat",
     "Pair table",
+    "Bonded terms",
     "Cutoffs and link cells",
     "Plan",
     "Long-range correction",
@@ -138,6 +139,49 @@ def test_pair_table_without_a_thermostat_has_no_drags(make):
         "where the numbers come from:",
         "  A-A: law FIELD:15",
         "  A-B: law FIELD:16",
+    ]
+
+
+def test_bonded_terms(make):
+    assert sections(make().scene())["Bonded terms"] == ["none"]
+    positions = [[0.3 * k, 0.1 * k * k, 0.0] for k in range(10)]
+    inside = (
+        "bonds 3\nharm 1 2 2.0 0.5\n-hrm 2 3 4.0 0.5\nharm 3 4 2.0 0.5\n"
+        "dihedrals 1\nharm 1 2 3 4 1.0 120.0 0.0 0.0 0.5\nteth 1\nharm 4 7.0"
+    )
+    scene = make(
+        atoms=("A 1.0 0.0 4", "B 2.0 0.0"), counts=(2, 2), units="kJ", inside=inside, positions=positions
+    ).scene()
+    assert sections(scene)["Bonded terms"] == [
+        "energies in kJ/mol, lengths in ang, angles in degrees, as in FIELD",
+        "molecule  kind      law   numbers       terms",
+        "mol1      bond      harm  k=2 r0=0.5        4",
+        "mol1      bond      -hrm  k=4 r0=0.5        2",
+        "mol1      dihedral  harm  k=1 phi0=120      2",
+        "mol1      tether    harm  k=7               2",
+        "  mol1 bond harm: FIELD:9, FIELD:11",
+        "  mol1 bond -hrm: FIELD:10",
+        "  mol1 dihedral harm: FIELD:13",
+        "  mol1 tether harm: FIELD:15",
+        "bond harm: spring, k/2 (r - r0)^2",
+        "dihedral harm: spring, k/2 (phi - phi0)^2, the short way round",
+        "tether harm: spring, k/2 d^2",
+        "pairs without pair forces, drag and noise: 12",
+        "of these, 1-4 pairs that feel their pair law times a factor: 2",
+        "keys with a minus sign leave their beads the pair forces",
+    ]
+    assert "not in this scene, at no cost: electrostatics, external fields" in scene.explain()
+
+
+def test_many_sets_of_bonded_numbers_are_counted(make):
+    bonds = "\n".join(f"harm {k} {k + 1} {k}.0 0.5" for k in range(1, 51))
+    positions = [[0.02 * k, 0.0, 0.0] for k in range(53)]
+    scene = make(
+        atoms=("A 1.0 0.0 51", "B 2.0 0.0"), counts=(1, 2), inside=f"bonds 50\n{bonds}", positions=positions
+    ).scene()
+    assert sections(scene)["Bonded terms"][1:3] == [
+        "molecule  kind  law   numbers  terms",
+        "mol1      bond  harm  50 sets     50",
     ]
 
 

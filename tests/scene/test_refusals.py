@@ -103,10 +103,6 @@ CASES = {
         {"control": {"threads": "-1"}},
         "CONTROL:10: 'threads': the number of threads must not be negative, found -1",
     ),
-    "bonds": (
-        {"atoms": ("A 1.0 0.0 2", "B 2.0 0.0"), "inside": "bonds 1\nharm 1 2 10.0 1.0"},
-        "FIELD:8: 'bonds': the block bonds of molecule mol1 is not modelled yet",
-    ),
     "rigid": (
         {"atoms": ("A 1.0 0.0 2", "B 2.0 0.0"), "inside": "rigid 1\n2 1 2"},
         "FIELD:8: 'rigid': the block rigid of molecule mol1 is not modelled yet",
@@ -118,10 +114,6 @@ CASES = {
     "constraints": (
         {"atoms": ("A 1.0 0.0 2", "B 2.0 0.0"), "inside": "constraints 1\n1 2 1.0"},
         "FIELD:8: 'constraints': the block constraints of molecule mol1 is not modelled yet",
-    ),
-    "tethers": (
-        {"inside": "teth 1\nharm 1 10.0"},
-        "FIELD:8: 'tethers': the block tethers of molecule mol1 is not modelled yet",
     ),
     "metal": ({"after": "metal 1\nA A stch 1 2 3 4 5"}, "FIELD:18: 'metal': the block metal is not modelled yet"),
     "electric_field": (
