@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 
-# Threads wait for each other many times a step. GNU's OpenMP would spin for milliseconds before it sleeps, which starves
-# the very thread that is waited for when the processors are shared; it reads this when the core is loaded.
+# Threads wait for each other in every step. GNU's OpenMP would spin for long before it sleeps, which starves the very
+# thread that is waited for when the processors are shared; it reads this variable when the core is loaded.
 os.environ.setdefault("GOMP_SPINCOUNT", "20000")
 
 try:

@@ -346,4 +346,7 @@ def test_images_in_a_skewed_cell(vectors: list[list[float]]) -> None:
 
 
 def test_plan_names_the_reason() -> None:
-    assert "general path: there are bonded terms" in melt({"bonds": BONDS}, control=DPD).explain()
+    """Excluded pairs need the general path; restraint forms, whose beads keep their pair forces, do not."""
+    assert "general path: bonded beads have no pair forces" in melt({"bonds": BONDS}, control=DPD).explain()
+    restraints = [bond.replace("harm", "-hrm") for bond in BONDS]
+    assert "fast path" in melt({"bonds": restraints}, control=DPD).explain()

@@ -72,7 +72,9 @@ void BondedForces::add(bonded::Kind kind, std::string_view key, std::span<const 
     bounds_.clear();
 }
 
-int BondedForces::wide_energy_exponent() const noexcept { return grid_exponent(std::max(largest_.energy, 1e-12)) - 12; }
+int BondedForces::energy_exponent() const noexcept {
+    return wide_bits + grid_exponent(std::max(largest_.energy, 1e-12));
+}
 
 void BondedForces::set_anchors(Array3N anchors) {
     if (anchors.rows() != static_cast<Eigen::Index>(frozen_.size()) || !anchors.allFinite()) {

@@ -45,8 +45,8 @@ class BondedForces {
     [[nodiscard]] std::size_t beads() const noexcept { return frozen_.size(); }
     // One past the largest bead of any term.
     [[nodiscard]] std::uint32_t bead_end() const noexcept { return bead_end_; }
-    // A grid for energies on which terms far beyond the expected ones still have room.
-    [[nodiscard]] int wide_energy_exponent() const noexcept;
+    // The grid for energies that add_to begins with.
+    [[nodiscard]] int energy_exponent() const noexcept;
     [[nodiscard]] bool empty() const noexcept { return lists_.empty() && scaled_.empty(); }
 
     // For the general path: adds to particles.force and, when `totals` is given, writes what the terms add up to.

@@ -167,7 +167,8 @@ class FluidOf final : public Fluid {
             "reference is needed, which has no such range");
     }
 
-    [[nodiscard]] bonded::Request bonded_request(bool observe) const;
+    [[nodiscard]] bonded::Request bonded_request(bool observe, int energy_exponent) const;
+    void observe_bonded(const State& state);
     void place_bonded(const Record& bead);
     bool add_bonded_terms(const State& state, std::size_t part, bool observe);
     [[nodiscard]] bool bonded_overflow() const;
@@ -459,7 +460,7 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
     const int asked = thread_count();
     int parts = 1;
     bonded_workers_.assign(static_cast<std::size_t>(asked) + 1,
-                           bonded::Worker(bonded_request(false), bonded_impulses_.data()));
+                           bonded::Worker(bonded_request(false, 0), bonded_impulses_.data()));
 #ifdef _OPENMP
 #pragma omp parallel num_threads(asked)
 #endif
@@ -528,7 +529,7 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
     }
     if (bonded_ != nullptr) {
         BondedForces::report(bonded_workers_, bonded::MinimumImage(state.box), state.step + steps);
-        *bonded_totals_ = BondedForces::total(bonded_workers_, bonded_->wide_energy_exponent());
+        observe_bonded(state);
     }
     if (overflow != 0 || bonded_overflow()) {
         report_range(state.step + steps, -1);
@@ -547,12 +548,12 @@ void FluidOf<Record>::set_bonded(BondedForces& terms, BondedTotals& totals, std:
 
 // Forces of bonded terms are rounded straight to impulses, so that they conserve momentum to the bit as pairs do.
 template <class Record>
-bonded::Request FluidOf<Record>::bonded_request(bool observe) const {
+bonded::Request FluidOf<Record>::bonded_request(bool observe, int energy_exponent) const {
     bonded::Request request;
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
         request.scale[axis] = timestep_ / axis_unit(axis);
     }
-    request.energy_scale = bonded_ != nullptr ? std::ldexp(1.0, bonded_->wide_energy_exponent()) : 0.0;
+    request.energy_scale = std::ldexp(1.0, energy_exponent);
     request.observe = observe;
     return request;
 }
@@ -577,7 +578,8 @@ template <class Record>
 bool FluidOf<Record>::add_bonded_terms(const State& state, std::size_t part, bool observe) {
     const bonded::MinimumImage image(state.box);
     const auto walk = [&](std::size_t p) {
-        bonded_workers_[p] = bonded::Worker(bonded_request(observe), bonded_impulses_.data());
+        bonded_workers_[p] =
+            bonded::Worker(bonded_request(observe, bonded_->energy_exponent()), bonded_impulses_.data());
         bonded_->part(p, image, bonded_positions_.data(), species_, table_, bonded_workers_[p]);
     };
     walk(part);
@@ -594,11 +596,35 @@ bool FluidOf<Record>::add_bonded_terms(const State& state, std::size_t part, boo
     return true;
 }
 
+// Totals of the observed step. Energies beyond their grid are rare (a random start): they are then added up once more
+// on a coarser one, as on the general path.
+template <class Record>
+void FluidOf<Record>::observe_bonded(const State& state) {
+    const bonded::MinimumImage image(state.box);
+    int exponent = bonded_->energy_exponent();
+    std::vector<std::int64_t> unused;
+    for (;;) {
+        double largest = 0.0;
+        for (const bonded::Worker& worker : bonded_workers_) {
+            largest = std::max(largest, worker.largest_energy());
+        }
+        if (largest < 1.0) {
+            *bonded_totals_ = BondedForces::total(bonded_workers_, exponent);
+            return;
+        }
+        exponent -= std::ilogb(largest) + 1;
+        unused.assign(bonded_impulses_.size(), 0);
+        for (std::size_t p = 0; p <= histograms_.size(); ++p) {
+            bonded_workers_[p] = bonded::Worker(bonded_request(true, exponent), unused.data());
+            bonded_->part(p, image, bonded_positions_.data(), species_, table_, bonded_workers_[p]);
+        }
+    }
+}
+
 template <class Record>
 bool FluidOf<Record>::bonded_overflow() const {
-    return std::any_of(bonded_workers_.begin(), bonded_workers_.end(), [](const bonded::Worker& worker) {
-        return worker.largest() >= 1.0 || worker.largest_energy() >= 1.0;
-    });
+    return std::any_of(bonded_workers_.begin(), bonded_workers_.end(),
+                       [](const bonded::Worker& worker) { return worker.largest() >= 1.0; });
 }
 
 template <class Record>
