@@ -29,7 +29,7 @@ from pydlpoly.formats.statis import STATISTICS_NAMES, StatisticsRecord, Statisti
 from pydlpoly.scene.model import Scene
 from pydlpoly.simulation import Observation, Simulation
 
-_TENSORS = ("kinetic", "conservative", "drag", "noise")
+_TENSORS = ("kinetic", "conservative", "drag", "noise", "bonded")
 
 
 def every(step: int, interval: int, start: int = 0) -> int | None:
@@ -78,9 +78,16 @@ def _statistics_record(simulation: Simulation, seen: Observation) -> StatisticsR
         temperature=seen.temperature,
         configurational_energy=seen.energy["potential"] / units.factor,
         short_range_energy=seen.energy["pair"] / units.factor,
+        bond_energy=seen.energy["bond"] / units.factor,
+        angle_energy=seen.energy["angle"] / units.factor,
+        dihedral_energy=(seen.energy["dihedral"] + seen.energy["inversion"]) / units.factor,
+        tether_energy=seen.energy["tether"] / units.factor,
         enthalpy=(seen.energy["total"] + pressure_volume) / units.factor,
         virial=seen.virial / units.factor,
         short_range_virial=seen.pair_virial / units.factor,
+        bond_virial=seen.bonded_virial["bond"] / units.factor,
+        angle_virial=seen.bonded_virial["angle"] / units.factor,
+        tether_virial=seen.bonded_virial["tether"] / units.factor,
         volume=seen.volume,
         cell_alpha=alpha,
         cell_beta=beta,
@@ -276,7 +283,11 @@ class OutputReporter:
             loop_seconds=timings.get("steps", elapsed),
             averages=mean[:columns],
             fluctuations=spread[:columns],
-            pressure_parts=dict(zip(_TENSORS, tensors, strict=True)),
+            pressure_parts={
+                name: tensor
+                for name, tensor in zip(_TENSORS, tensors, strict=True)
+                if name != "bonded" or scene.bonded is not None
+            },
             diffusion=_diffusion(simulation),
             warnings=warnings,
             timings=timings,

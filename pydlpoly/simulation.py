@@ -23,7 +23,7 @@ from pydlpoly.formats.checkpoint import read_checkpoint, write_checkpoint
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.interrupts import deferred_signals
 from pydlpoly.scene.continuation import check_continues
-from pydlpoly.scene.model import Precision, Scene
+from pydlpoly.scene.model import BondedKind, Precision, Scene
 from pydlpoly.scene.serialise import scene_from_arrays, scene_to_arrays
 
 _SECONDS_PER_CHUNK = 0.2  # how long Ctrl-C may wait
@@ -63,11 +63,13 @@ class Observation:
     pressure in katm; in scenes with ``units dpd`` both are reduced (k_B = 1).
 
     Attributes:
-        energy: by component: "pair", "potential" (all configurational terms), "kinetic" and "total" (their sum).
+        energy: by component: "pair", "bond", "angle", "dihedral", "inversion", "tether", "potential" (all of these),
+            "kinetic" and "total" (potential and kinetic).
         stress: (3, 3) pressure tensor in the pressure unit, all parts.
-        stress_parts: the same by part: "kinetic", "conservative", "drag", "noise".
+        stress_parts: the same by part: "kinetic", "conservative" (pairs), "drag", "noise", "bonded".
         virial: −Σ r·F of all forces; ``pair_virial``: of the conservative pair forces alone.
         momentum: (3,) total momentum in Da Å/ps.
+        bonded_virial: −Σ r·F by component: "bond", "angle", "dihedral", "inversion", "tether".
     """
 
     step: int
@@ -81,15 +83,16 @@ class Observation:
     pair_virial: float
     volume: float
     momentum: FloatArray
+    bonded_virial: dict[str, float]
 
 
 @dataclass(frozen=True, eq=False)
 class SinglePoint:
-    """Energy, forces and stress of a scene's configuration, conservative forces and external fields only.
+    """Energy, forces and stress of a scene's configuration, pair laws, bonded terms and external fields only.
 
     Attributes:
-        energy: by component, internal units: "pair" (with the long-range correction) and "total"; the components a
-            scene does not have ("bond", "angle", "dihedral", "inversion", "tether", "charge") are 0.
+        energy: by component, internal units: "pair" (with the long-range correction and scaled 1-4 pairs), "bond",
+            "angle", "dihedral", "inversion", "tether", "charge" (0: charges are not modelled) and "total".
         forces: (N, 3), Da Å/ps²; frozen beads feel none.
         stress: (3, 3) configurational pressure tensor Σ F_a r_b / V, internal pressure (Da/(Å ps²)); a repulsion is
             positive.
@@ -317,12 +320,12 @@ class Simulation:
 
     @property
     def pressure(self) -> float:
-        """Pressure of kinetic, conservative, drag and noise parts together, katm (reduced with ``units dpd``)."""
+        """Pressure of all parts together, katm (reduced with ``units dpd``)."""
         return self.observe().pressure
 
     @property
     def energy(self) -> dict[str, float]:
-        """Energy by component in internal units: "pair", "potential", "kinetic", "total"."""
+        """Energy by component in internal units, as in ``Observation``."""
         return self.observe().energy
 
     @property
@@ -381,8 +384,11 @@ class Simulation:
             stored = scene_from_arrays(arrays, meta["scene"])
             chosen = stored if scene is None else scene
             check_continues(stored, chosen, str(path))
-            # A cell that went through REVCON has lost its last digits.
-            simulation = cls(replace(chosen, cell=stored.cell), threads=threads, seed=int(meta["seed"]))
+            # A cell that went through REVCON has lost its last digits; tethers still hold where the run began.
+            bonded = chosen.bonded
+            if bonded is not None and stored.bonded is not None and stored.bonded.anchors is not None:
+                bonded = replace(bonded, anchors=stored.bonded.anchors)
+            simulation = cls(replace(chosen, cell=stored.cell, bonded=bonded), threads=threads, seed=int(meta["seed"]))
             simulation._restore(arrays, meta)
         except InputError as error:
             raise InputError(error.message, path=error.path or str(path), line=error.line, word=error.word) from error
@@ -404,6 +410,8 @@ class Simulation:
             pair_energy=float(arrays["totals.pair_energy"]),
             momentum=arrays["totals.momentum"],
             volume=float(arrays["totals.volume"]),
+            bonded_energies=arrays["totals.bonded_energies"],
+            bonded=arrays["totals.bonded"],
         )
         system.forces = arrays["forces"]
         system.images = arrays["images"]
@@ -428,7 +436,10 @@ def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Obse
         "conservative": totals.conservative,
         "drag": totals.drag,
         "noise": totals.noise,
+        "bonded": np.sum(totals.bonded, axis=0),
     }
+    bonded = dict(zip(get_args(BondedKind), totals.bonded_energies.tolist(), strict=True))
+    potential = totals.pair_energy + sum(bonded.values())
     factor = scene.units.pressure_factor / totals.volume
     stress_parts = {name: tensor * factor for name, tensor in parts.items()}
     stress = np.sum(list(stress_parts.values()), axis=0)
@@ -439,18 +450,22 @@ def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Obse
         time=time,
         energy={
             "pair": totals.pair_energy,
-            "potential": totals.pair_energy,
+            **bonded,
+            "potential": potential,
             "kinetic": kinetic,
-            "total": totals.pair_energy + kinetic,
+            "total": potential + kinetic,
         },
         temperature=temperature,
         pressure=float(np.trace(stress)) / 3.0,
         stress=stress,
         stress_parts=stress_parts,
-        virial=-float(np.trace(totals.conservative + totals.drag + totals.noise)),
+        virial=-float(np.trace(totals.conservative + totals.drag + totals.noise + parts["bonded"])),
         pair_virial=-float(np.trace(totals.conservative)),
         volume=totals.volume,
         momentum=totals.momentum,
+        bonded_virial={
+            kind: -float(np.trace(tensor)) for kind, tensor in zip(get_args(BondedKind), totals.bonded, strict=True)
+        },
     )
 
 
@@ -459,7 +474,7 @@ def single_point(scene: Scene, *, threads: int | None = None) -> SinglePoint:
 
     Raises:
         SceneError: the scene cannot be computed.
-        RunError: a pair force is not finite, naming the beads.
+        RunError: a pair force or a bonded term is not finite, naming the beads.
     """
     engine = NativeEngine(scene, seed=0, threads=threads or scene.run.threads or default_threads())
     settings = engine.system.settings
@@ -467,10 +482,16 @@ def single_point(scene: Scene, *, threads: int | None = None) -> SinglePoint:
     settings.force_cap = 0.0
     engine.initialise()
     totals = engine.totals()
-    energy = dict.fromkeys(("bond", "angle", "dihedral", "inversion", "tether", "charge"), 0.0)
+    bonded = dict(zip(get_args(BondedKind), totals.bonded_energies.tolist(), strict=True))
+    virial = totals.conservative + np.sum(totals.bonded, axis=0)
     return SinglePoint(
-        energy={"pair": totals.pair_energy, **energy, "total": totals.pair_energy},
+        energy={
+            "pair": totals.pair_energy,
+            **bonded,
+            "charge": 0.0,
+            "total": totals.pair_energy + sum(bonded.values()),
+        },
         forces=np.asarray(engine.system.forces),
-        stress=totals.conservative / totals.volume,
-        virial=-float(np.trace(totals.conservative)),
+        stress=virial / totals.volume,
+        virial=-float(np.trace(virial)),
     )

@@ -24,7 +24,8 @@ from pydlpoly.formats.statis import read_statistics
 
 from .run_folders import listing, run_folder
 
-COMMAND = [sys.executable, "-m", "pydlpoly"]
+# The installed script: from the repository root, -m would find the source folder without the compiled core.
+COMMAND = [str(Path(sys.executable).with_name("pydlpoly"))]
 LONG = {
     "time_run": "200000 steps",
     "stats_frequency": "100 steps",
@@ -57,7 +58,9 @@ def cli(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
 
 def test_version_by_both_names(cli) -> None:
     assert cli("--version").out == f"pydlpoly {pydlpoly.__version__}\n"
-    module = subprocess.run([*COMMAND, "--version"], capture_output=True, text=True, check=True, cwd="/")
+    module = subprocess.run(
+        [sys.executable, "-m", "pydlpoly", "--version"], capture_output=True, text=True, check=True, cwd="/"
+    )
     assert module.stdout == f"pydlpoly {pydlpoly.__version__}\n"
 
 

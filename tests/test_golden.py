@@ -19,12 +19,8 @@ GOLDEN = Path(__file__).resolve().parents[2] / "shared" / "golden"
 CASES = sorted(folder.name for folder in GOLDEN.iterdir() if folder.is_dir()) if GOLDEN.is_dir() else []
 NUMBER_OF_CASES = 68
 
-# Cases with terms that are not modelled: a refusal names the first of these words in this file. The molecules of the
-# angle and dihedral cases have bonds too, which come first.
-BLOCKS = ("FIELD", ("bonds", "angles", "dihedrals"))
-REFUSED = dict.fromkeys(("bond-", "angle-", "dihedral-", "run-lipid"), BLOCKS) | {
-    "coul-": ("CONTROL", ("coul_method",))
-}
+# Cases with terms that are not modelled: a refusal names the first of these words in this file.
+REFUSED = {"coul-": ("CONTROL", ("coul_method",))}
 
 PRINTED = 1e-6  # 7 significant digits
 FOLLOWED = 2e-6  # 7 digits of a row, and the drift of a trajectory that starts from 12 decimals
@@ -46,7 +42,7 @@ def test_golden_case(case: str) -> None:
     scene = load(folder)
     if case.startswith("run-"):
         assert_follows(scene, expected)
-    elif case.startswith(("pair-", "units-")):
+    elif case.startswith(("pair-", "units-", "bond-", "angle-", "dihedral-")):
         assert_single_point(scene, expected)
     else:
         pytest.fail(f"{case} belongs to no known kind of case")
@@ -72,12 +68,22 @@ def assert_single_point(scene: Scene, expected: dict[str, Any]) -> None:
     assert largest_error(point.forces, forces) <= 1e-8
     assert point.energy["pair"] / unit == pytest.approx(row["engsrp"], rel=PRINTED)
     assert point.energy["total"] / unit == pytest.approx(row["engcfg"], rel=PRINTED)
-    assert point.virial / unit == pytest.approx(row["virsrp"], rel=PRINTED)
+    assert point.energy["bond"] / unit == pytest.approx(row["engbnd"], rel=PRINTED)
+    assert point.energy["angle"] / unit == pytest.approx(row["engang"], rel=PRINTED)
+    assert (point.energy["dihedral"] + point.energy["inversion"]) / unit == pytest.approx(row["engdih"], rel=PRINTED)
+    # DL_POLY adds up these three, printed with 7 digits each, and nothing of dihedrals, whose virial is 0.
+    virials = [row[name] for name in ("virsrp", "virbnd", "virang")]
+    assert sum(virials) == pytest.approx(row["vir"], abs=PRINTED * sum(map(abs, virials)))
+    assert point.virial / unit == pytest.approx(row["vir"], abs=PRINTED * sum(map(abs, virials)))
     assert abs(np.linalg.det(scene.cell)) == pytest.approx(row["volume"], rel=PRINTED)
     assert -point.stress.trace() * row["volume"] == pytest.approx(point.virial, rel=PRINTED)
     # The start velocities are drawn, but their temperature is set exactly: the whole row is determined.
     observed = Simulation(scene, seed=1, threads=1).observe()
     assert observed.temperature == pytest.approx(row["temp"], rel=PRINTED)
+    assert observed.pair_virial / unit == pytest.approx(row["virsrp"], rel=PRINTED)
+    for kind, name in (("bond", "virbnd"), ("angle", "virang"), ("dihedral", "virtet")):
+        printed = pytest.approx(row[name], rel=PRINTED, abs=PRINTED * 1e-3 * abs(row["vir"]))
+        assert observed.bonded_virial[kind] / unit == printed
     total_error = PRINTED * (abs(row["engcns"]) + abs(row["engcfg"]))
     assert observed.energy["total"] / unit == pytest.approx(row["engcns"], abs=total_error)
     kinetic = observed.stress_parts["kinetic"].trace() / 3.0
@@ -87,6 +93,7 @@ def assert_single_point(scene: Scene, expected: dict[str, Any]) -> None:
 def assert_follows(scene: Scene, expected: dict[str, Any]) -> None:
     """Take the run of CONTROL, comparing the rows of STATIS on the way and the whole state at the end."""
     simulation = Simulation(scene, threads=1)
+    components = {"engbnd": "bond", "engang": "angle"}
     assert len(expected["statis"]) == 11
     for row in expected["statis"]:
         simulation.run(row["step"] - simulation.step)
@@ -100,6 +107,7 @@ def assert_follows(scene: Scene, expected: dict[str, Any]) -> None:
             "vir": observed.virial,
             "press": observed.pressure,
         }
+        found |= {name: observed.energy[kind] for name, kind in components.items() if name in row}
         assert found == pytest.approx({name: row[name] for name in found}, rel=FOLLOWED, abs=1e-12)
     assert simulation.step == scene.run.steps
     state = simulation.state

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "bind/bind.hpp"
 #include "core/threads.hpp"
@@ -162,6 +164,15 @@ void bind_system(py::module_& m) {
                 s.ready = false;
             },
             py::arg("key"), py::arg("parameters"))
+        .def(
+            "set_bonded",
+            [](System& s, BondedForces& terms, const std::vector<std::pair<std::uint32_t, std::uint32_t>>& excluded) {
+                const auto beads = static_cast<std::size_t>(s.state.particles.count());
+                require(terms.beads() == beads, "the bonded terms are made for another number of beads");
+                s.set_bonded(std::move(terms), Exclusions(beads, excluded));
+            },
+            py::arg("terms"), py::arg("excluded"),
+            "Takes the bonded terms, which are then empty, and the pairs of beads that have no pair forces.")
         .def("initialise", &System::initialise, py::call_guard<py::gil_scoped_release>(),
              "Computes and observes the forces of the present state.")
         .def("plan", &System::plan, "How steps are computed: the fast path, or the general one and why.")
@@ -238,6 +249,20 @@ void bind_system(py::module_& m) {
         .def_property_readonly("conservative_virial_tensor", [](const System& s) { return s.totals.conservative; })
         .def_property_readonly("drag_virial_tensor", [](const System& s) { return s.totals.drag; })
         .def_property_readonly("noise_virial_tensor", [](const System& s) { return s.totals.noise; })
+        .def_property_readonly(
+            "bonded_energies",
+            [](const System& s) {
+                const std::array<double, bonded::components>& energy = s.forces.bonded_totals().energy;
+                return std::vector<double>(energy.begin(), energy.begin() + bonded::kinds);
+            },
+            "Energies of bonds, angles, dihedrals, inversions and tethers.")
+        .def_property_readonly(
+            "bonded_virial_tensors",
+            [](const System& s) {
+                const std::array<Matrix3, bonded::components>& virial = s.forces.bonded_totals().virial;
+                return std::vector<Matrix3>(virial.begin(), virial.begin() + bonded::kinds);
+            },
+            "Σ F_a r_b of bonds, angles, dihedrals, inversions and tethers.")
         .def_property_readonly("kinetic_tensor", [](const System& s) { return kinetic_tensor(s.state.particles); })
         .def_property_readonly("momentum", [](const System& s) { return momentum(s.state.particles); })
         .def_property_readonly("cell_counts", [](System& s) { return s.forces.pairs().cells().counts(); })

@@ -8,6 +8,7 @@ PYBIND11_MODULE(_core, m) {
     m.attr("__version__") = PYDLPOLY_VERSION;
     dlpoly::bind::bind_errors(m);
     dlpoly::bind::bind_pair(m);
+    dlpoly::bind::bind_bonded(m);
     dlpoly::bind::bind_random(m);
     dlpoly::bind::bind_system(m);
 }

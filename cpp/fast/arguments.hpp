@@ -2,9 +2,17 @@
 // one instruction set share no inline function of the standard library with the others.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "fast/records.hpp"
+
+// Short functions of the inner loops; without this, compilers stop inlining once a loop is instantiated many times.
+#if defined(__GNUC__) || defined(__clang__)
+#define DLPOLY_INLINE inline __attribute__((always_inline))
+#else
+#define DLPOLY_INLINE inline
+#endif
 
 namespace dlpoly::fast {
 
@@ -51,12 +59,16 @@ struct PassArguments {
     std::int32_t* cell_of;      // out: cell of each advanced bead
     std::int32_t* histogram;    // in/out: beads in each cell
 
+    std::int64_t* bonded;  // impulses of bonded terms, 3 a bead by id below bonded_end, used up; or nullptr
+    std::uint32_t bonded_end;
     std::int64_t* impulses;  // last step: out, 3 a bead by id
     double* observed;        // observed step: out, observed_numbers a row of cells
+    void* workspace;         // buffers of the calling thread, workspace_bytes
     std::uint64_t overflow;  // out: not 0 when a momentum left its range
 };
 
 inline constexpr int padding = 256;
+inline constexpr std::size_t workspace_bytes = 192 * 1024;
 
 // What distinguishes the loops that are compiled apart.
 struct Variant {

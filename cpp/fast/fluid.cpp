@@ -111,18 +111,19 @@ class FluidOf final : public Fluid {
           shadow_z_(beads_ + padding),
           cell_of_(beads_),
           row_start_(static_cast<std::size_t>(grid_.cells()) + 1),
+          table_(table),
           timestep_(settings.timestep),
           has_drag_(settings.drag && table.has_drag()) {
         const double range = momentum_range(kinds_, table, settings.thermal_energy);
-        // The upper half of the numbers' range stays free to detect overflow.
-        constexpr int bits = sizeof(Fixed) == 4 ? 30 : 50;
-        momentum_unit_ = std::ldexp(1.0, std::ilogb(range) + 1 - bits);
+        // The numbers reach further, so that leaving the range is seen.
+        momentum_unit_ = std::ldexp(1.0, std::ilogb(range) + 1 - Record::momentum_bits);
         // Momenta are kept along box axes in units that are proportional to the edges, so that one constant for each
         // kind turns momentum into fixed-point distance.
         longest_ = edges_.maxCoeff();
         fill_rows(table, settings);
     }
 
+    void set_bonded(BondedForces& terms, BondedTotals& totals, std::vector<std::int32_t> species) override;
     void start(State& state, const StepSettings& settings, PairTotals& totals) override;
     void run(State& state, const StepSettings& settings, std::uint64_t steps, PairTotals& totals) override;
 
@@ -166,6 +167,10 @@ class FluidOf final : public Fluid {
             "reference is needed, which has no such range");
     }
 
+    [[nodiscard]] bonded::Request bonded_request(bool observe) const;
+    void place_bonded(const Record& bead);
+    bool add_bonded_terms(const State& state, std::size_t part, bool observe);
+    [[nodiscard]] bool bonded_overflow() const;
     double axis_unit(Eigen::Index axis) const { return momentum_unit_ * edges_[axis] / longest_; }
 
     const Passes& passes_;
@@ -187,7 +192,14 @@ class FluidOf final : public Fluid {
     std::vector<std::int32_t> part_;  // beads part_[t] … part_[t + 1] of `advanced_` belong to thread t
     std::vector<std::int64_t> impulses_;
     std::vector<double> observed_;  // observed_numbers a row of cells
-    double momentum_unit_ = 0.0;    // along the longest edge
+    const PairTable& table_;
+    BondedForces* bonded_ = nullptr;
+    BondedTotals* bonded_totals_ = nullptr;
+    std::vector<std::int32_t> species_;
+    std::vector<double> bonded_positions_;       // 3 a bead, by id
+    std::vector<std::int64_t> bonded_impulses_;  // 3 a bead, by id, zeros between steps
+    std::vector<bonded::Worker> bonded_workers_;
+    double momentum_unit_ = 0.0;  // along the longest edge
     double longest_ = 0.0;
     double timestep_;
     bool has_drag_;
@@ -232,7 +244,7 @@ template <class Record>
 void FluidOf<Record>::take(State& state, const StepSettings& settings, bool with_impulses) {
     Particles& particles = state.particles;
     const double timestep = settings.timestep;
-    const double largest = std::ldexp(1.0, static_cast<int>(8 * sizeof(Fixed)) - 2);
+    const double largest = std::ldexp(1.0, Record::momentum_bits);
     histograms_.assign(1, std::vector<std::int32_t>(static_cast<std::size_t>(grid_.cells()), 0));
     part_ = {0, static_cast<std::int32_t>(beads_)};
     PassArguments<Record> step = arguments(state);
@@ -395,6 +407,9 @@ void FluidOf<Record>::sort_part(std::size_t part) {
         const std::int32_t place = next[cell_of_.data()[i]]++;
         to[place] = from[i];
         cast_shadow(from[i], place);
+        if (bonded_ != nullptr) {
+            place_bonded(from[i]);
+        }
     }
 }
 
@@ -443,6 +458,8 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
     std::uint64_t overflow = 0;
     const int asked = thread_count();
     int parts = 1;
+    bonded_workers_.assign(static_cast<std::size_t>(asked) + 1,
+                           bonded::Worker(bonded_request(false), bonded_impulses_.data()));
 #ifdef _OPENMP
 #pragma omp parallel num_threads(asked)
 #endif
@@ -452,8 +469,18 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
 #pragma omp single
         parts = omp_get_num_threads();
 #endif
+        if (bonded_ != nullptr) {
+#ifdef _OPENMP
+#pragma omp single
+#endif
+            bonded_->prepare(static_cast<std::size_t>(parts));
+        }
         PassArguments<Record> a = arguments(state);
         a.observed = observed_.data();
+        a.bonded = bonded_ != nullptr ? bonded_impulses_.data() : nullptr;
+        a.bonded_end = bonded_ != nullptr ? bonded_->bead_end() : 0;
+        AlignedArray<std::uint8_t> workspace(workspace_bytes);
+        a.workspace = workspace.data();
         for (std::uint64_t k = 1; k <= steps; ++k) {
 #ifdef _OPENMP
 #pragma omp single
@@ -471,6 +498,9 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
             {
                 histograms_.resize(static_cast<std::size_t>(parts));
                 part_.assign(static_cast<std::size_t>(parts) + 1, 0);
+            }
+            if (bonded_ != nullptr && !add_bonded_terms(state, static_cast<std::size_t>(part), k == steps)) {
+                break;
             }
             std::vector<std::int32_t>& histogram = histograms_[static_cast<std::size_t>(part)];
             histogram.assign(static_cast<std::size_t>(grid_.cells()), 0);
@@ -496,10 +526,79 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
 #endif
         overflow |= a.overflow;
     }
-    if (overflow != 0) {
+    if (bonded_ != nullptr) {
+        BondedForces::report(bonded_workers_, bonded::MinimumImage(state.box), state.step + steps);
+        *bonded_totals_ = BondedForces::total(bonded_workers_, bonded_->wide_energy_exponent());
+    }
+    if (overflow != 0 || bonded_overflow()) {
         report_range(state.step + steps, -1);
     }
     observe_totals(totals);
+}
+
+template <class Record>
+void FluidOf<Record>::set_bonded(BondedForces& terms, BondedTotals& totals, std::vector<std::int32_t> species) {
+    bonded_ = &terms;
+    bonded_totals_ = &totals;
+    species_ = std::move(species);
+    bonded_positions_.assign(3 * std::size_t{terms.bead_end()}, 0.0);
+    bonded_impulses_.assign(3 * std::size_t{terms.bead_end()}, 0);
+}
+
+// Forces of bonded terms are rounded straight to impulses, so that they conserve momentum to the bit as pairs do.
+template <class Record>
+bonded::Request FluidOf<Record>::bonded_request(bool observe) const {
+    bonded::Request request;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        request.scale[axis] = timestep_ / axis_unit(axis);
+    }
+    request.energy_scale = bonded_ != nullptr ? std::ldexp(1.0, bonded_->wide_energy_exponent()) : 0.0;
+    request.observe = observe;
+    return request;
+}
+
+template <class Record>
+void FluidOf<Record>::place_bonded(const Record& bead) {
+    const std::size_t id = bead.tag & id_mask;
+    if (id >= bonded_->bead_end()) {
+        return;
+    }
+    constexpr int unused_bits = static_cast<int>(8 * sizeof(Fixed)) - Record::position_bits;
+    const std::array<Fixed, 3> position{bead.x, bead.y, bead.z};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double edge = edges_[static_cast<Eigen::Index>(axis)];
+        bonded_positions_[3 * id + axis] =
+            static_cast<double>(position[axis] >> unused_bits) * (edge * std::ldexp(1.0, -Record::position_bits));
+    }
+}
+
+// Called by all threads together; false in all of them when a term cannot be computed.
+template <class Record>
+bool FluidOf<Record>::add_bonded_terms(const State& state, std::size_t part, bool observe) {
+    const bonded::MinimumImage image(state.box);
+    const auto walk = [&](std::size_t p) {
+        bonded_workers_[p] = bonded::Worker(bonded_request(observe), bonded_impulses_.data());
+        bonded_->part(p, image, bonded_positions_.data(), species_, table_, bonded_workers_[p]);
+    };
+    walk(part);
+#ifdef _OPENMP
+#pragma omp barrier
+#pragma omp single
+#endif
+    walk(histograms_.size());  // one part a thread, and after them the terms that cross their borders
+    for (const bonded::Worker& worker : bonded_workers_) {
+        if (worker.failure().law != nullptr) {
+            return false;
+        }
+    }
+    return true;
+}
+
+template <class Record>
+bool FluidOf<Record>::bonded_overflow() const {
+    return std::any_of(bonded_workers_.begin(), bonded_workers_.end(), [](const bonded::Worker& worker) {
+        return worker.largest() >= 1.0 || worker.largest_energy() >= 1.0;
+    });
 }
 
 template <class Record>

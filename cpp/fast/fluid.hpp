@@ -7,7 +7,9 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "bonded/bonded_forces.hpp"
 #include "core/state.hpp"
 #include "fast/arguments.hpp"
 #include "forces/pair_forces.hpp"
@@ -32,6 +34,9 @@ class Fluid {
     Fluid(Fluid&&) = delete;
     Fluid& operator=(Fluid&&) = delete;
     virtual ~Fluid() = default;
+
+    // Bonded terms to be added in every step; their totals are written in observed ones. Both must outlive the fluid.
+    virtual void set_bonded(BondedForces& terms, BondedTotals& totals, std::vector<std::int32_t> species) = 0;
 
     // Computes and observes the forces of the present positions and velocities.
     virtual void start(State& state, const StepSettings& settings, PairTotals& totals) = 0;

@@ -39,6 +39,8 @@ struct alignas(64) Workspace {
     uint32_t word[most_beads + 16];
 };
 
+static_assert(sizeof(Workspace<DoubleRecord>) <= workspace_bytes);
+
 // A run of consecutive beads.
 struct Span {
     int32_t begin, end;
@@ -51,7 +53,8 @@ struct Candidates {
 };
 
 template <class Record>
-inline Candidates candidates_of(const PassArguments<Record>& a, const int32_t* rows, int32_t first, int32_t last) {
+DLPOLY_INLINE Candidates candidates_of(const PassArguments<Record>& a, const int32_t* rows, int32_t first,
+                                       int32_t last) {
     Candidates result;
     result.count = 0;
     const int32_t cells = a.cells_x;
@@ -194,17 +197,40 @@ inline void advance_bead(PassArguments<Record>& a, const Record& bead, const typ
         image[1] += cy;
         image[2] += cz;
     }
-    // The two uppermost bits of a momentum in range are equal.
     const auto out_of_range = [](Fixed p) {
-        const auto bits = static_cast<Unsigned>(p);
-        return (bits ^ (bits << 1)) >> (8 * sizeof(Fixed) - 1);
+        constexpr Unsigned range = Unsigned{1} << Record::momentum_bits;
+        return (static_cast<Unsigned>(p) + range) >> (Record::momentum_bits + 1);
     };
     a.overflow |= static_cast<uint64_t>(out_of_range(out.px) | out_of_range(out.py) | out_of_range(out.pz));
 }
 
+// Adds the impulses of bonded terms and leaves zeros for the next step.
+template <class Record>
+inline void add_bonded(PassArguments<Record>& a, Workspace<Record>& work, int32_t begin, int32_t end) {
+    using Fixed = typename Record::Fixed;
+    for (int32_t i = begin; i < end; ++i) {
+        const uint32_t id = a.sorted[i].tag & id_mask;
+        if (id >= a.bonded_end) {
+            continue;
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            int64_t& bonded = a.bonded[3 * static_cast<int64_t>(id) + axis];
+            Fixed& impulse = work.impulse[4 * (i - begin) + axis];
+            const int64_t sum = impulse + bonded;
+            impulse = static_cast<Fixed>(sum);
+            a.overflow |= impulse == sum ? 0U : 1U;
+            bonded = 0;
+        }
+    }
+}
+
 // Everything a piece of beads still needs once its impulses are known: kept (last step), or used.
 template <bool last, class Lanes, class Record>
-inline void finish_beads(PassArguments<Record>& a, Workspace<Record>& work, int32_t begin, int32_t end) {
+DLPOLY_INLINE void finish_beads(PassArguments<Record>& a, typename Lanes::Advance& advance, Workspace<Record>& work,
+                                int32_t begin, int32_t end) {
+    if (a.bonded != nullptr) {
+        add_bonded(a, work, begin, end);
+    }
     if constexpr (last) {
         for (int32_t i = begin; i < end; ++i) {
             int64_t* out = a.impulses + 3 * static_cast<int64_t>(a.sorted[i].tag & id_mask);
@@ -213,24 +239,27 @@ inline void finish_beads(PassArguments<Record>& a, Workspace<Record>& work, int3
             }
         }
     } else {
+        const Record* const sorted = a.sorted;
+        Record* const advanced = a.advanced;
+        int32_t* const cells = a.cell_of;
+        int32_t* const histogram = a.histogram;
         for (int32_t i = begin; i < end; ++i) {
-            advance_bead(a, a.sorted[i], work.impulse + 4 * (i - begin), a.advanced[i]);
-            work.tag[i - begin] = a.sorted[i].tag & id_mask;
-            const int32_t cell = cell_of(a, a.advanced[i]);
-            a.cell_of[i] = cell;
-            ++a.histogram[cell];
+            work.tag[i - begin] = sorted[i].tag & id_mask;
+            const int32_t cell = advance(sorted[i], work.impulse + 4 * (i - begin), advanced[i]);
+            cells[i] = cell;
+            ++histogram[cell];
         }
         Lanes::bead_words(work.tag, work.word, end - begin, a.word_key);
         for (int32_t i = begin; i < end; ++i) {
-            a.advanced[i].word = work.word[i - begin];
+            advanced[i].word = work.word[i - begin];
         }
     }
 }
 
 // Beads begin..end of the block of cells first..last, pair after pair.
 template <class Lanes, bool one_kind, bool drag, bool observe, bool last_step, class Record>
-inline void direct_block(PassArguments<Record>& a, Workspace<Record>& work, const int32_t* rows, int32_t first,
-                         int32_t last, double* observed) {
+inline void direct_block(PassArguments<Record>& a, typename Lanes::Advance& advance, Workspace<Record>& work,
+                         const int32_t* rows, int32_t first, int32_t last, double* observed) {
     const Candidates candidates = candidates_of(a, rows, first, last);
     const int32_t* start = a.row_start + static_cast<int64_t>(rows[0]) * a.cells_x;
     for (int32_t begin = start[first]; begin < start[last]; begin += most_beads) {
@@ -238,12 +267,28 @@ inline void direct_block(PassArguments<Record>& a, Workspace<Record>& work, cons
         for (int32_t i = begin; i < end; ++i) {
             direct_bead<one_kind, drag, observe>(a, candidates, i, work.impulse + 4 * (i - begin), observed);
         }
-        finish_beads<last_step, Lanes>(a, work, begin, end);
+        finish_beads<last_step, Lanes>(a, advance, work, begin, end);
     }
 }
 
+// Moves one bead after another and returns its new cell.
+template <class Record>
+struct ScalarAdvance {
+    struct Advance {
+        PassArguments<Record>& a;
+
+        explicit Advance(PassArguments<Record>& arguments) : a(arguments) {}
+        int32_t operator()(const Record& bead, const typename Record::Fixed* impulse, Record& out) const {
+            advance_bead(a, bead, impulse, out);
+            return cell_of(a, out);
+        }
+        static uint64_t overflow() { return 0; }  // advance_bead notes it in the arguments
+    };
+};
+
 // Lanes of the plain path: no vectors, every block takes the direct way.
-struct PlainLanes {
+template <class Record>
+struct PlainLanes : ScalarAdvance<Record> {
     static void bead_words(const uint32_t* ids, uint32_t* words, int32_t count, const uint32_t* key) {
         for (int32_t k = 0; k < count; ++k) {
             words[k] = bead_word(ids[k], key);
@@ -253,14 +298,16 @@ struct PlainLanes {
 
 template <class Record, bool one_kind, bool drag, bool observe, bool last_step>
 void plain_pass(PassArguments<Record>& a, int32_t first_place, int32_t last_place) {
-    static thread_local Workspace<Record> work;
+    Workspace<Record>& work = *static_cast<Workspace<Record>*>(a.workspace);
+    typename PlainLanes<Record>::Advance advance(a);
     for (int32_t place = first_place; place < last_place; ++place) {
         int32_t rows[9];
         neighbour_rows(a, place, rows);
         double* observed = observe ? a.observed + static_cast<int64_t>(place) * observed_numbers : nullptr;
         for (int32_t first = 0; first < a.cells_x; first += cells_a_block) {
             const int32_t last = first + cells_a_block < a.cells_x ? first + cells_a_block : a.cells_x;
-            direct_block<PlainLanes, one_kind, drag, observe, last_step>(a, work, rows, first, last, observed);
+            direct_block<PlainLanes<Record>, one_kind, drag, observe, last_step>(a, advance, work, rows, first, last,
+                                                                                 observed);
         }
     }
 }

@@ -15,8 +15,8 @@ namespace dlpoly::fast::DLPOLY_SIMD {
 // Copies the shadows of all candidates of a block next to each other. Returns how many there are and where the block's
 // first bead stands among them, or −1 when they are too many for the buffers.
 template <class Lanes, class Record>
-inline int collect(const PassArguments<Record>& a, Workspace<Record>& work, const Candidates& candidates, int block,
-                   int32_t first_bead, int* self) {
+DLPOLY_INLINE int collect(const PassArguments<Record>& a, Workspace<Record>& work, const Candidates& candidates,
+                          int block, int32_t first_bead, int* self) {
     int total = 0;
     for (int s = 0; s < candidates.count; ++s) {
         total += candidates.spans[s].end - candidates.spans[s].begin;
@@ -42,20 +42,51 @@ inline int collect(const PassArguments<Record>& a, Workspace<Record>& work, cons
     return count;
 }
 
+// What is the same for every bead of a pass, in registers.
+template <class Lanes, bool one_kind>
+struct Constants {
+    typename Lanes::Real one, metric_x, metric_y, metric_z;
+    typename Lanes::Pairs table;  // of the only kind; with several kinds, each bead takes its own
+
+    template <class Record>
+    DLPOLY_INLINE explicit Constants(const PassArguments<Record>& a)
+        : one(Lanes::all(1)),
+          metric_x(Lanes::all(a.metric_x)),
+          metric_y(Lanes::all(a.metric_y)),
+          metric_z(Lanes::all(a.metric_z)),
+          table(Lanes::only_pair(a.rows[0], a.inverse_mass[0])) {}
+};
+
+template <bool first, class A, class B>
+DLPOLY_INLINE const auto& choose(const A& a, const B& b) {
+    if constexpr (first) {
+        return a;
+    } else {
+        return b;
+    }
+}
+
 // Impulse of all accepted neighbours on one bead.
 template <class Lanes, bool one_kind, bool drag, bool observe, class Record>
-inline void sum_pairs(const PassArguments<Record>& a, const Record& bead, const uint32_t* offsets,
-                      const uint8_t* accepted, int count, typename Record::Fixed* impulse, double* observed) {
+DLPOLY_INLINE void sum_pairs(const Constants<Lanes, one_kind>& constants, const PassArguments<Record>& a,
+                             const Record& bead, const uint32_t* offsets, const uint8_t* accepted, int count,
+                             typename Record::Fixed* impulse, double* observed) {
     using Real = typename Lanes::Real;
     using Sum = typename Lanes::Sum;
     const uint32_t kind = one_kind ? 0 : bead.tag >> kind_shift;
-    const PairRow<typename Record::Arithmetic>& row = a.rows[kind];
     const auto self = Lanes::broadcast(bead);
-    const auto table = Lanes::template tables<one_kind>(row, a.inverse_mass);
-    const Real one = Lanes::all(1);
-    const Real metric_x = Lanes::all(a.metric_x);
-    const Real metric_y = Lanes::all(a.metric_y);
-    const Real metric_z = Lanes::all(a.metric_z);
+    // By reference where there is one kind: a copy of the table would be spilled to the stack for every bead.
+    const auto own_table = [&] {
+        if constexpr (one_kind) {
+            return 0;
+        } else {
+            return Lanes::tables(a.rows[kind], a.inverse_mass);
+        }
+    }();
+    const Real one = constants.one;
+    const Real metric_x = constants.metric_x;
+    const Real metric_y = constants.metric_y;
+    const Real metric_z = constants.metric_z;
     Real velocity_x, velocity_y, velocity_z;
     if constexpr (drag && !one_kind) {
         const Real inverse_mass = Lanes::all(a.inverse_mass[kind]);
@@ -81,7 +112,14 @@ inline void sum_pairs(const PassArguments<Record>& a, const Record& bead, const 
         const Real distance_squared = Lanes::multiply_add(ex, dx, Lanes::multiply_add(ey, dy, Lanes::multiply(ez, dz)));
         const Real inverse = Lanes::inverse_root(distance_squared);
         const Real distance = Lanes::multiply(distance_squared, inverse);
-        const auto pair = Lanes::template look_up<one_kind, drag, observe>(table, other.tag);
+        const auto looked_up = [&] {
+            if constexpr (one_kind) {
+                return 0;
+            } else {
+                return Lanes::template look_up<drag, observe>(own_table, other.tag);
+            }
+        }();
+        const auto& pair = choose<one_kind>(constants.table, looked_up);
         const Real w = Lanes::negative_multiply_add(distance, pair.inverse_cutoff, one);
         const auto inside = Lanes::positive(w, count - k);
         const Real slope = Lanes::multiply(w, inverse);
@@ -94,9 +132,10 @@ inline void sum_pairs(const PassArguments<Record>& a, const Record& bead, const 
                 vy = Lanes::difference(self.py, other.py);
                 vz = Lanes::difference(self.pz, other.pz);
             } else {
-                vx = Lanes::negative_multiply_add(Lanes::real(other.px), pair.inverse_mass, velocity_x);
-                vy = Lanes::negative_multiply_add(Lanes::real(other.py), pair.inverse_mass, velocity_y);
-                vz = Lanes::negative_multiply_add(Lanes::real(other.pz), pair.inverse_mass, velocity_z);
+                // Both products are rounded: a fused one would make the difference depend on which bead is asked.
+                vx = Lanes::subtract(velocity_x, Lanes::multiply(Lanes::real(other.px), pair.inverse_mass));
+                vy = Lanes::subtract(velocity_y, Lanes::multiply(Lanes::real(other.py), pair.inverse_mass));
+                vz = Lanes::subtract(velocity_z, Lanes::multiply(Lanes::real(other.pz), pair.inverse_mass));
             }
             const Real approach = Lanes::multiply_add(ex, vx, Lanes::multiply_add(ey, vy, Lanes::multiply(ez, vz)));
             const Real zeta = Lanes::noise(self.word, other.word);
@@ -139,8 +178,10 @@ inline void sum_pairs(const PassArguments<Record>& a, const Record& bead, const 
 
 template <class Lanes, class Record, bool one_kind, bool drag, bool observe, bool last_step>
 void vector_pass(PassArguments<Record>& a, int32_t first_place, int32_t last_place) {
-    static thread_local Workspace<Record> work;
+    Workspace<Record>& work = *static_cast<Workspace<Record>*>(a.workspace);
     const auto search = Lanes::search_tables(a);
+    const Constants<Lanes, one_kind> constants(a);
+    typename Lanes::Advance advance(a);
     for (int32_t place = first_place; place < last_place; ++place) {
         int32_t rows[9];
         neighbour_rows(a, place, rows);
@@ -168,7 +209,7 @@ void vector_pass(PassArguments<Record>& a, int32_t first_place, int32_t last_pla
             }
             if (blocks == 0) {
                 const int32_t next = cell + cells_a_block < a.cells_x ? cell + cells_a_block : a.cells_x;
-                direct_block<Lanes, one_kind, drag, observe, last_step>(a, work, rows, cell, next, observed);
+                direct_block<Lanes, one_kind, drag, observe, last_step>(a, advance, work, rows, cell, next, observed);
                 first = next;
                 continue;
             }
@@ -191,15 +232,17 @@ void vector_pass(PassArguments<Record>& a, int32_t first_place, int32_t last_pla
                         direct_bead<one_kind, drag, observe>(a, candidates, i, work.impulse + 4 * n, observed);
                     } else {
                         sum_pairs<Lanes, one_kind, drag, observe>(
-                            a, a.sorted[i], work.offset + b * candidate_stride, work.accepted + n * accepted_stride,
-                            work.accepted_count[n], work.impulse + 4 * n, observed);
+                            constants, a, a.sorted[i], work.offset + b * candidate_stride,
+                            work.accepted + n * accepted_stride, work.accepted_count[n], work.impulse + 4 * n,
+                            observed);
                     }
                 }
             }
-            finish_beads<last_step, Lanes>(a, work, begin, start[cell]);
+            finish_beads<last_step, Lanes>(a, advance, work, begin, start[cell]);
             first = cell;
         }
     }
+    a.overflow |= advance.overflow();
 }
 
 }  // namespace dlpoly::fast::DLPOLY_SIMD

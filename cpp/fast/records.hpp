@@ -19,6 +19,7 @@ struct alignas(32) MixedRecord {
     using Fixed = std::int32_t;
     using Arithmetic = float;
     static constexpr int position_bits = 32;  // of a position that carry information, from the top
+    static constexpr int momentum_bits = 30;  // of a momentum in range, without its sign
 
     std::int32_t x, y, z;
     std::uint32_t word;  // this step's random word of the bead
@@ -30,6 +31,7 @@ struct alignas(64) DoubleRecord {
     using Fixed = std::int64_t;
     using Arithmetic = double;
     static constexpr int position_bits = 48;  // so that conversion to double and back is the identity
+    static constexpr int momentum_bits = 50;  // as above, also of differences and half impulses
 
     std::int64_t x, y, z;
     std::uint32_t word;

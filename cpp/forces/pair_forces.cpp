@@ -205,7 +205,8 @@ void PairForces::search_cell_pair(std::uint32_t i_begin, std::uint32_t i_end, st
                 continue;
             }
             const std::uint32_t term = table_.term(species_[i], species_[j]);
-            if (!(distance_squared < reach_squared[term]) || (any_frozen_ && frozen_[i] != 0 && frozen_[j] != 0)) {
+            if (!(distance_squared < reach_squared[term]) || (any_frozen_ && frozen_[i] != 0 && frozen_[j] != 0) ||
+                excluded(i, j)) {
                 continue;
             }
             const std::size_t kind = std::min<std::size_t>(table_.kernel_of()[term], drag_only);

@@ -9,6 +9,7 @@
 #include "core/box.hpp"
 #include "core/exact_sum.hpp"
 #include "core/particles.hpp"
+#include "forces/exclusions.hpp"
 #include "forces/pair_table.hpp"
 #include "forces/pair_worker.hpp"
 
@@ -29,6 +30,10 @@ class PairForces {
 
     // Cells at least this wide instead of one range wide; 0 = one range. Changes speed, never results.
     void set_cell_width(double width) noexcept { cell_width_ = width; }
+
+    // Pairs that are left out, with their drag and noise.
+    void set_exclusions(Exclusions exclusions) { exclusions_ = std::move(exclusions); }
+    [[nodiscard]] bool has_exclusions() const noexcept { return !exclusions_.empty(); }
 
     // Writes the pair force on every bead to particles.force (frozen beads: zero). Drag uses `velocity`.
     // Throws RunFailure when a pair's force is not finite, naming both beads.
@@ -52,9 +57,14 @@ class PairForces {
                           PairWorker& worker);
     void flush(std::size_t kind, PairWorker& worker);
     void evaluate_drag(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const;
+    // Whether the pair of these sorted indices is left out.
+    [[nodiscard]] bool excluded(std::uint32_t i, std::uint32_t j) const noexcept {
+        return !exclusions_.empty() && exclusions_.contains(cells_.order()[i], cells_.order()[j]);
+    }
     [[noreturn]] void report_overflow(const PairWorker& worst) const;
 
     PairTable table_;
+    Exclusions exclusions_;
     LinkCells cells_;
     double cell_width_ = 0.0;
     int base_exponent_;

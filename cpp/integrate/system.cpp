@@ -18,17 +18,28 @@ void System::set_cell_width(double width) {
     fluid_.reset();
 }
 
+void System::set_bonded(BondedForces terms, Exclusions exclusions) {
+    forces.set_bonded(std::move(terms), std::move(exclusions));
+    path_chosen_ = false;
+    fluid_.reset();
+    ready = false;
+}
+
 void System::choose_path() {
     if (path_chosen_) {
         return;
     }
     path_chosen_ = true;
-    refusal_ = settings.precision == Precision::reference
-                   ? "the precision is reference"
+    refusal_ = settings.precision == Precision::reference ? "the precision is reference"
+               : forces.has_exclusions()
+                   ? "bonded beads have no pair forces (keys without a leading '-')"
                    : fast::refusal(state.box, state.particles, forces.pairs().table(), settings, forces.has_fields());
     if (refusal_.empty()) {
         fluid_ = fast::make_fluid(state, forces.pairs().table(), settings, fast::chosen_passes(),
                                   settings.precision == Precision::mixed, cell_width_);
+        if (forces.bonded() != nullptr) {
+            fluid_->set_bonded(*forces.bonded(), forces.bonded_totals(), state.particles.species);
+        }
     }
 }
 

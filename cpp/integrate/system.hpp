@@ -28,6 +28,9 @@ class System {
     // Link cells of at least this width instead of one range; 0 = one range. Changes speed, never results.
     void set_cell_width(double width);
 
+    // Takes bonded terms, and the pairs of beads whose pair forces they replace.
+    void set_bonded(BondedForces terms, Exclusions exclusions);
+
     // How steps are computed: "fast", or why not in words.
     [[nodiscard]] std::string plan();
 

@@ -16,7 +16,7 @@ from pydlpoly import _core
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.explain import PLANS
-from pydlpoly.scene.model import PairTerm, Scene
+from pydlpoly.scene.model import Bonded, PairTerm, Scene
 
 _PRECISIONS = {
     "double": _core.Precision.double_precision,
@@ -34,6 +34,7 @@ class Totals:
         conservative, drag, noise, kinetic: (3, 3) sums Σ F_a r_b over pairs (long-range correction in the first) and
             Σ m v_a v_b over beads, internal energy; the stress of each part is this over the volume.
         momentum: (3,) total momentum, Da Å/ps.
+        bonded_energies: (5,) of bonds, angles, dihedrals, inversions, tethers; ``bonded``: (5, 3, 3) their Σ F_a r_b.
     """
 
     pair_energy: float
@@ -43,6 +44,8 @@ class Totals:
     kinetic: FloatArray
     momentum: FloatArray
     volume: float
+    bonded_energies: FloatArray
+    bonded: FloatArray
 
 
 def default_threads() -> int:
@@ -82,6 +85,8 @@ class NativeEngine:
             )
         except ValueError as error:
             raise SceneError(str(error)) from error
+        if scene.bonded is not None:
+            self.system.set_bonded(_bonded_terms(scene, scene.bonded), scene.bonded.excluded.tolist())
         for term in scene.external:
             self.system.add_external_field(term.key, list(term.parameters))
         if cell_width > 0.0:
@@ -121,6 +126,8 @@ class NativeEngine:
             kinetic=system.kinetic_tensor,
             momentum=system.momentum,
             volume=system.volume,
+            bonded_energies=np.array(system.bonded_energies),
+            bonded=np.array(system.bonded_virial_tensors),
         )
 
     def distance_counts(self, bins: int, species: int) -> NDArray[np.int64]:
@@ -146,6 +153,20 @@ def _pair_table(scene: Scene) -> _core.PairTable:
             names = f"{scene.species[a]} {scene.species[b]}"
             raise SceneError(f"pair {names}: {error}") from error
     return table
+
+
+def _bonded_terms(scene: Scene, bonded: Bonded) -> _core.BondedTerms:
+    terms = _core.BondedTerms(scene.beads.frozen.tolist(), scene.dynamics.thermal_energy)
+    if bonded.anchors is not None:
+        terms.set_anchors(bonded.anchors)
+    for term in bonded.terms:
+        try:
+            terms.add(term.kind, term.law, list(term.parameters), term.beads)
+        except ValueError as error:
+            raise SceneError(f"{term.kind} {term.law}: {error}") from error
+    for (i, j), scale in zip(bonded.scaled.tolist(), bonded.scales.tolist(), strict=True):
+        terms.add_scaled_pair(i, j, scale)
+    return terms
 
 
 def _step_settings(scene: Scene, seed: int) -> _core.StepSettings:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.scene import explain_bonded
 from pydlpoly.scene.cell import widths
 from pydlpoly.scene.laws import pair_laws
 from pydlpoly.scene.model import Note, PairTerm, Scene
@@ -43,6 +44,7 @@ def explain(scene: Scene) -> str:
         ("System", _system(scene)),
         ("Integrator and thermostat", _dynamics(scene)),
         ("Pair table", _pairs(scene)),
+        ("Bonded terms", _bonded(scene)),
         ("Cutoffs and link cells", _cutoffs(scene)),
         ("Plan", _plan(scene)),
         ("Long-range correction", _long_range(scene)),
@@ -173,6 +175,19 @@ def _parameters(term: PairTerm, factor: float) -> str:
     return " ".join(f"{name}={number:.6g}" for name, number in zip(law.parameter_names, numbers, strict=True))
 
 
+def _bonded(scene: Scene) -> list[str]:
+    if scene.bonded is None:
+        return ["none"]
+    units, word = scene.field_units or scene.units, _Words(scene)
+    lengths = f", lengths in{word.length}" if word.length else ""
+    texts = [line for text in explain_bonded.sentences(scene, scene.bonded) for line in _wrap(text)]
+    return [
+        f"energies in {units.label or 'reduced units'}{lengths}, angles in degrees, as in FIELD",
+        *_table(*explain_bonded.headers_and_rows(scene, scene.bonded)),
+        *texts,
+    ]
+
+
 def _cutoffs(scene: Scene) -> list[str]:
     word = _Words(scene)
     reach = max((max(term.cutoff, term.drag_cutoff) for term in scene.pairs), default=0.0)
@@ -272,7 +287,7 @@ def _output(scene: Scene) -> list[str]:
 
 
 def _absent(scene: Scene) -> list[str]:
-    absent = ["bonded terms", "electrostatics"]
+    absent = ["electrostatics"] if scene.bonded is not None else ["bonded terms", "electrostatics"]
     if all(term.law is None for term in scene.pairs):
         absent.append("conservative pair forces")
     if scene.dynamics.integrator == "nve":

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 Start = Literal["clean", "rescale", "noscale", "continue"]
 Precision = Literal["double", "mixed", "reference"]
+BondedKind = Literal["bond", "angle", "dihedral", "inversion", "tether"]
 Origin = Literal["given", "mixed", "filled", "overridden", "default", "none"]
 
 
@@ -103,6 +104,49 @@ class ExternalTerm:
     key: str
     parameters: tuple[float, ...]
     explanation: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class BondedTerm:
+    """Terms of one law with one set of numbers, in all copies of one molecule type.
+
+    Attributes:
+        kind: "bond", "angle", "dihedral", "inversion" or "tether".
+        law: the law's key without the sign of the restraint form ("harm", "cos", …).
+        parameters: the law's numbers in internal units, angles in radians.
+        beads: (n, k) ids, one term a row, in FIELD's order: k is 2 for bonds, 3 for angles (the vertex in the middle), 4
+            for dihedrals and inversions (the centre first), 1 for tethers.
+        restraint: whether the beads keep their pair forces.
+        molecule: index into ``Scene.molecule_names``.
+        explanation: where the numbers come from ("FIELD:12, FIELD:13").
+    """
+
+    kind: BondedKind
+    law: str
+    parameters: tuple[float, ...]
+    beads: NDArray[np.int32]
+    restraint: bool
+    molecule: int
+    explanation: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Bonded:
+    """All bonded terms and what they do to the pair forces.
+
+    Attributes:
+        terms: by molecule type and kind.
+        excluded: (m, 2) ids i < j of pairs without pair forces, drag and noise.
+        scaled: (s, 2) ids of excluded pairs that feel their pair law times a factor, as the ends of dihedrals may.
+        scales: (s,) those factors.
+        anchors: (N, 3) where tethers hold their beads (Å), None without tethers.
+    """
+
+    terms: tuple[BondedTerm, ...]
+    excluded: NDArray[np.int32]
+    scaled: NDArray[np.int32]
+    scales: FloatArray
+    anchors: FloatArray | None = None
 
 
 @dataclass(frozen=True)
@@ -202,6 +246,7 @@ class Scene:
         sources: the files the scene was read from.
         source_order: (N,) for scenes made from a structure whose beads had to be sorted: where each bead stood there.
         source_cell: (3, 3) the cell of that structure, when ``cell`` differs from it along axes that are not periodic.
+        bonded: bonds, angles, dihedrals, inversions and tethers; None when there are none.
     """
 
     title: str
@@ -227,6 +272,7 @@ class Scene:
     sources: tuple[str, ...] = field(default=())
     source_order: NDArray[np.int64] | None = None
     source_cell: FloatArray | None = None
+    bonded: Bonded | None = None
 
     @property
     def bead_count(self) -> int:

@@ -9,6 +9,8 @@ import numpy as np
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import Configuration, Control, Field, FloatArray, PairTable
 from pydlpoly.scene.beads import Layout, check_charges, check_configuration, lay_out
+from pydlpoly.scene.bonded import resolve_bonded
+from pydlpoly.scene.bonded_laws import KINDS
 from pydlpoly.scene.cell import resolve_cell, widths, wrap
 from pydlpoly.scene.dynamics import resolve_dynamics, resolve_run, settle_momentum, start_velocities
 from pydlpoly.scene.interactions import (
@@ -73,6 +75,7 @@ def resolve(
     output = resolve_output(settings, field, layout.species_names, pairs, cutoffs[0], notes)
     velocities = start_velocities(config, layout, run, fixed, notes)
     beads = _beads(layout, _wrapped(config, cell, periodic), velocities)
+    bonded = resolve_bonded(field, field_units.factor, beads, cell, periodic, config.path, notes)
     tails = long_range_correction(settings, pairs, periodic, notes)
     settings.finish(notes)
     return Scene(
@@ -97,6 +100,7 @@ def resolve(
         field_units=field_units,
         notes=notes.all(),
         sources=tuple(sources) or (control.path, field.path, config.path),
+        bonded=bonded,
     )
 
 
@@ -130,7 +134,7 @@ def _wrapped(config: Configuration, cell: FloatArray, periodic: tuple[bool, bool
 def _refuse_unmodelled_blocks(field: Field) -> None:
     for molecule in field.molecules:
         for block in molecule.blocks:
-            if block.lines and molecule.count:
+            if block.lines and molecule.count and block.directive not in KINDS:
                 message = f"the block {block.directive} of molecule {molecule.name} is not modelled yet"
                 raise SceneError(message, path=field.path, line=block.line or None, word=block.directive)
     for other in field.others:

@@ -19,6 +19,8 @@ _CLASSES: dict[str, type[Any]] = {
         model.Beads,
         model.PairTerm,
         model.ExternalTerm,
+        model.BondedTerm,
+        model.Bonded,
         model.Dynamics,
         model.RunPlan,
         model.OutputPlan,
