@@ -1,7 +1,7 @@
 """Counts the instructions of a bead and step: ``python docs/callgrind.py SCENE [--simd plain|avx2] [--precision …]``.
 
-A scene of ``pydlpoly bench`` (or ``--lammps`` with it) is run under valgrind's callgrind twice, for few and for more
-steps; the difference holds the steps alone. Valgrind does not know AVX-512, so the plain or the AVX2 version is counted.
+A scene of ``pydlpoly bench`` is run under valgrind's callgrind twice, for few and for more steps; the difference holds
+the steps alone. Valgrind lacks AVX-512, so the plain or the AVX2 version is counted. ``--lammps`` counts LAMMPS.
 """
 
 from __future__ import annotations

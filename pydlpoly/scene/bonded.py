@@ -26,11 +26,16 @@ _VECTORS: dict[BondedKind, tuple[tuple[int, int], ...]] = {
 }
 # Laws that DL_POLY's documentation and code read differently, or that its code computes in an odd way.
 _ODD = {
-    ("angle", "mmbd"): "mmbd takes the deviation in radians, as DL_POLY's code does, although its coefficients are those "
-    "for degrees",
+    (
+        "angle",
+        "mmbd",
+    ): "mmbd takes the deviation in radians, as DL_POLY's code does, although its coefficients are those for degrees",
     ("angle", "kky"): "kky fades with distance, as documented; DL_POLY's code multiplies by the inverse of the factor",
     ("dihedral", "rbf"): "the hill of rbf at 180 degrees acts from both sides; DL_POLY's code has one half of it",
-    ("inversion", "xpln"): "the numbers of xpln are k m phi0, as documented; DL_POLY's code takes the second for the angle "
+    (
+        "inversion",
+        "xpln",
+    ): "the numbers of xpln are k m phi0, as documented; DL_POLY's code takes the second for the angle "
     "and the third for m",
 }
 _Line = tuple[BondedLine, BondedEntry]
@@ -153,7 +158,9 @@ class _MoleculeTerms:
     def _check_factors(self, line: BondedLine, entry: BondedEntry) -> None:
         electrostatic, pair = entry.factors
         if entry.restraint and (electrostatic or pair):
-            message = "the restraint form leaves the 1-4 pair its whole pair force, and the 1-4 factors (numbers 4 and 5) "
+            message = (
+                "the restraint form leaves the 1-4 pair its whole pair force, and the 1-4 factors (numbers 4 and 5) "
+            )
             message += f"would count it again; leave them out, or write {entry.law.key}"
             raise refusal(line, self._field, message)
         if electrostatic:
@@ -206,6 +213,8 @@ def _check_lengths(
             if (lengths > limit).any():
                 worst = int(lengths.argmax())
                 i, j = sorted(int(term.beads[worst, k]) + 1 for k in (a, b))
-                message = f"beads {i} and {j} of a {term.kind} ({term.explanation}) are {lengths[worst]:g} apart, more than "
+                message = (
+                    f"beads {i} and {j} of a {term.kind} ({term.explanation}) are {lengths[worst]:g} apart, more than "
+                )
                 message += f"half the cell's width ({limit:g}): which image is meant is not certain"
                 raise SceneError(message, path=config_path)
