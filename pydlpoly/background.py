@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import atexit
 import threading
-import weakref
 from collections.abc import Callable
+from functools import partial
 from queue import Queue
 from typing import Any, Protocol
 
@@ -40,15 +41,18 @@ class BackgroundWriter:
         self._errors: list[BaseException] = []
         self._raised = False
         self._queue: Queue[Callable[[], None] | None] = Queue(waiting)
-        arguments = (self._queue, self._errors)  # not self: the thread must not keep a forgotten writer alive
+        arguments = (self._queue, self._errors)
         self._thread = threading.Thread(target=_work, args=arguments, name="frame writer", daemon=True)
         self._thread.start()
-        self._stop = weakref.finalize(self, _stop, self._queue, self._thread)
+        self._open = True
+        # Not when the object is forgotten: the garbage collector may call in the middle of the queue's own code.
+        self._at_exit = partial(_stop, self._queue, self._thread)
+        atexit.register(self._at_exit)
 
     def write(self, *frame: Any, **parts: Any) -> None:
         """Have one frame written. The arguments are the writer's; their arrays must not be changed afterwards."""
         self._raise()
-        if not self._stop.alive:
+        if not self._open:
             raise ValueError("the file is closed")
         write = self._writer.write
         self._queue.put(lambda: write(*frame, **parts))
@@ -64,7 +68,10 @@ class BackgroundWriter:
 
         Raises what the writer raised, unless an earlier call has done so.
         """
-        self._stop()
+        if self._open:
+            self._open = False
+            self._at_exit()
+            atexit.unregister(self._at_exit)
         self._writer.close()
         if not self._raised:
             self._raise()

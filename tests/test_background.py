@@ -118,15 +118,15 @@ def test_an_error_is_raised_by_the_next_call(call: str) -> None:
 
 
 def test_a_forgotten_writer_writes_what_it_was_given() -> None:
-    recorder = released(Recorder())
+    recorder = Recorder()
     writer = BackgroundWriter(recorder)
-    thread = writer._thread
+    queue = writer._queue
     writer.write(1)
     del writer
     gc.collect()
-    thread.join(5.0)
+    recorder.go.release()
+    queue.join()
     assert recorder.frames == [(1, None)]
-    assert not thread.is_alive()
 
 
 PROGRAM = """
@@ -147,13 +147,13 @@ for step in range(int(sys.argv[2])):
 
 
 def test_a_program_that_ends_without_close_loses_nothing(tmp_path: Path) -> None:
-    subprocess.run([sys.executable, "-c", PROGRAM, str(tmp_path / "HISTORY"), "5"], check=True, cwd=tmp_path)
+    subprocess.run([sys.executable, "-S", "-c", PROGRAM, str(tmp_path / "HISTORY"), "5"], check=True, cwd=tmp_path)
     assert [frame.step for frame in read_history(tmp_path / "HISTORY")] == [0, 1, 2, 3, 4]
 
 
 def test_a_kill_leaves_whole_frames(tmp_path: Path) -> None:
     path = tmp_path / "HISTORY"
-    command = [sys.executable, "-c", PROGRAM, str(path), "100000"]
+    command = [sys.executable, "-S", "-c", PROGRAM, str(path), "100000"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, cwd=tmp_path) as program:
         assert program.stdout is not None
         program.stdout.readline()
