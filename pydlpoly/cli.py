@@ -1,4 +1,4 @@
-"""The command line: ``pydlpoly run | check | explain | convert``.
+"""The command line: ``pydlpoly run | check | explain | convert | bench``.
 
 Exit codes: 0 done, 1 the input was refused, 2 wrong usage, 3 the run stopped being physical, 130 interrupted by Ctrl-C
 or SIGTERM (after writing the checkpoint).
@@ -18,6 +18,7 @@ from typing import Annotated, NoReturn, cast, get_args
 import typer
 
 from pydlpoly import __version__
+from pydlpoly.bench.cli import bench
 from pydlpoly.engines.native import NativeEngine
 from pydlpoly.errors import InputError, PydlpolyError, RunError, suggest
 from pydlpoly.formats.atomic import replace_file
@@ -166,6 +167,9 @@ def convert(
             replace_file(output, text)
         except RunError as error:
             raise InputError(str(error)) from error
+
+
+app.command()(bench)
 
 
 def example_names() -> list[str]:

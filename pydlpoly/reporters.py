@@ -8,13 +8,16 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import IO, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pydlpoly import __version__
+from pydlpoly.background import BackgroundWriter
 from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import atomic_file
 from pydlpoly.formats.config_writer import write_config_to
@@ -23,7 +26,8 @@ from pydlpoly.formats.output import OutputWriter, RollingAverages, RunningAverag
 from pydlpoly.formats.rdfdat import normalise_rdf, write_rdf
 from pydlpoly.formats.records import Configuration, FloatArray
 from pydlpoly.formats.statis import STATISTICS_NAMES, StatisticsRecord, StatisticsWriter
-from pydlpoly.simulation import Simulation
+from pydlpoly.scene.model import Scene
+from pydlpoly.simulation import Observation, Simulation
 
 _TENSORS = ("kinetic", "conservative", "drag", "noise", "bonded")
 
@@ -37,20 +41,35 @@ def every(step: int, interval: int, start: int = 0) -> int | None:
     return start + ((step - start) // interval + 1) * interval
 
 
+def bead_names(scene: Scene) -> list[str]:
+    """Return the species name of every bead."""
+    names: list[str] = np.array(scene.species, dtype=object)[scene.beads.species].tolist()
+    return names
+
+
 def square_displacements(simulation: Simulation) -> tuple[float, ...]:
     """Return the mean-square displacement of each species since the start, Å²; 0 for species without beads."""
-    moved = np.sum((simulation.state.unwrapped - simulation.start_positions) ** 2, axis=1)
+    moved = np.sum(simulation.displacements() ** 2, axis=1)
     species = simulation.scene.beads.species
     count = len(simulation.scene.species)
     total = np.bincount(species, weights=moved, minlength=count)
     return tuple((total / np.maximum(np.bincount(species, minlength=count), 1)).tolist())
 
 
+_records: WeakKeyDictionary[Observation, StatisticsRecord] = WeakKeyDictionary()  # several reporters ask for the same
+
+
 def statistics_record(simulation: Simulation) -> StatisticsRecord:
     """Return the present step as DL_POLY's row of statistics."""
     seen = simulation.observe()
+    if seen not in _records:
+        _records[seen] = _statistics_record(simulation, seen)
+    return _records[seen]
+
+
+def _statistics_record(simulation: Simulation, seen: Observation) -> StatisticsRecord:
     units = simulation.scene.units
-    alpha, beta, gamma = _cell_angles(simulation.scene.cell)
+    alpha, beta, gamma = _cell_angles(tuple(simulation.scene.cell.ravel().tolist()))
     pressure_volume = seen.pressure / units.pressure_factor * seen.volume
     return StatisticsRecord(
         step=seen.step,
@@ -79,8 +98,9 @@ def statistics_record(simulation: Simulation) -> StatisticsRecord:
     )
 
 
-def _cell_angles(cell: FloatArray) -> tuple[float, float, float]:
-    a, b, c = cell
+@lru_cache(maxsize=8)
+def _cell_angles(cell: tuple[float, ...]) -> tuple[float, float, float]:
+    a, b, c = np.reshape(cell, (3, 3))
 
     def angle(u: FloatArray, v: FloatArray) -> float:
         cosine = float(u @ v / (np.linalg.norm(u) * np.linalg.norm(v)))
@@ -125,23 +145,24 @@ class StatisticsReporter:
 
 
 class TrajectoryReporter:
-    """Writes HISTORY."""
+    """Writes HISTORY, while the simulation goes on: see ``BackgroundWriter`` for when errors are raised."""
 
     def __init__(self, simulation: Simulation, path: Path, *, append: bool = False) -> None:
         scene = simulation.scene
         self._start, self._every = scene.output.trajectory_start, scene.output.trajectory_every
         self._level = scene.output.trajectory_level
-        self._writer = HistoryWriter(
+        writer = HistoryWriter(
             path,
             scene.title,
             self._level,
             scene.imcon,
-            [scene.species[k] for k in scene.beads.species],
+            bead_names(scene),
             scene.beads.mass,
             scene.beads.charge,
             append=append,
             keep_until=simulation.step if append else None,
         )
+        self._writer = BackgroundWriter(writer)
         if not append and self._start == 0:
             self.report(simulation)
 
@@ -150,7 +171,7 @@ class TrajectoryReporter:
         return every(step, self._every, self._start)
 
     def report(self, simulation: Simulation) -> None:
-        """Write one frame."""
+        """Have one frame written."""
         state = simulation.state
         self._writer.write(
             state.step,
@@ -160,15 +181,15 @@ class TrajectoryReporter:
             state.positions,
             velocities=state.velocities if self._level >= 1 else None,
             forces=state.forces if self._level >= 2 else None,
-            displacements=np.linalg.norm(state.unwrapped - simulation.start_positions, axis=1),
+            displacements=np.linalg.norm(simulation.displacements(), axis=1),
         )
 
     def sync(self) -> None:
-        """Force everything written so far to the disk."""
+        """Wait until all frames are on the disk. Raises RunError when one could not be written."""
         self._writer.sync()
 
     def close(self) -> None:
-        """Close the file."""
+        """Write what waits and close the file. Raises RunError when a frame could not be written."""
         self._writer.close()
 
 
@@ -365,7 +386,7 @@ def configuration_of(simulation: Simulation) -> Configuration:
     """Return the present state as the record that REVCON is written from."""
     scene, state = simulation.scene, simulation.state
     return Configuration(
-        names=tuple(scene.species[k] for k in scene.beads.species),
+        names=tuple(bead_names(scene)),
         positions=state.positions,
         title=scene.title,
         imcon=scene.imcon,

@@ -242,7 +242,10 @@ class Simulation:
         self._observation = self._stored_totals = None
         begin = clock.perf_counter()
         self._engine.run(steps)
-        self._rate = steps / max(clock.perf_counter() - begin, 1e-9)
+        elapsed = max(clock.perf_counter() - begin, 1e-9)
+        # A chunk that a report cut short, or that the machine held up, says little about the next one.
+        weight = 1.0 if self._rate == 0.0 else elapsed / (elapsed + _SECONDS_PER_CHUNK)
+        self._rate += weight * (steps / elapsed - self._rate)
 
     # Looking
 
@@ -253,7 +256,7 @@ class Simulation:
 
     @property
     def steps_per_second(self) -> float:
-        """Rate of the last chunk of steps, 0 before the first."""
+        """Rate of the last tenths of a second in which steps were taken, 0 before the first step."""
         return self._rate
 
     @property
@@ -274,6 +277,11 @@ class Simulation:
             step=self.step,
             time=self.time,
         )
+
+    def displacements(self) -> FloatArray:
+        """Return how far every bead is from where it started, (N, 3) in Å, followed across cell boundaries."""
+        system = self._engine.system
+        return np.asarray(system.positions + system.images @ self.scene.cell - self.start_positions)
 
     def set_state(self, *, positions: FloatArray | None = None, velocities: FloatArray | None = None) -> None:
         """Replace positions and/or velocities, (N, 3) each, and recompute the forces.

@@ -101,6 +101,44 @@ def test_chunks_of_any_length_change_nothing(scene: pydlpoly.Scene, monkeypatch:
     assert bits(chunked) == bits(reference)
 
 
+def test_chunks_follow_the_machine_but_not_a_single_held_up_step(
+    scene: pydlpoly.Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    simulation = Simulation(scene, threads=1, seed=5)
+    now, step = [0.0], [0.001]
+    monkeypatch.setattr("pydlpoly.simulation.clock.perf_counter", lambda: now[0])
+    monkeypatch.setattr(simulation._engine, "run", lambda steps: now.__setitem__(0, now[0] + steps * step[0]))
+
+    def advance(chunks: int) -> float:
+        for _ in range(chunks):
+            simulation._advance(simulation._chunk())
+        return simulation.steps_per_second
+
+    assert advance(20) == pytest.approx(1000.0)
+    assert simulation._chunk() == 200, "0.2 s"
+    step[0] = 0.02
+    simulation._advance(1)
+    assert simulation._chunk() > 150
+    assert advance(20) == pytest.approx(50.0, rel=0.01)
+    step[0] = 0.0001
+    assert advance(40) == pytest.approx(10_000.0, rel=0.01)
+
+
+def test_displacements_are_followed_across_the_cell(scene: pydlpoly.Scene) -> None:
+    simulation = Simulation(scene, threads=1, seed=5)
+    start = simulation.state.unwrapped
+    simulation.run(50)
+    assert np.any(simulation.state.images)
+    np.testing.assert_array_equal(simulation.displacements(), simulation.state.unwrapped - start)
+
+
+def test_an_instruction_set_that_is_not_there(scene: pydlpoly.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYDLPOLY_SIMD", "sse")
+    with pytest.raises(SceneError, match="PYDLPOLY_SIMD is 'sse'; expected plain, avx2 or avx512"):
+        Simulation(scene, threads=1, seed=5)
+    assert "none: PYDLPOLY_SIMD is 'sse'" in scene.explain()
+
+
 def test_negative_steps_and_bad_arguments(scene: pydlpoly.Scene) -> None:
     simulation = Simulation(scene, threads=1, seed=5)
     with pytest.raises(RunError, match="must not be negative"):

@@ -105,9 +105,12 @@ class NativeEngine:
         self.initialise()
 
     def initialise(self) -> None:
-        """Compute and observe the forces of the present state."""
+        """Compute and observe the forces of the present state. Raises SceneError when PYDLPOLY_SIMD cannot be had."""
         _core.set_threads(self.threads)
-        self.system.initialise()
+        try:
+            self.system.initialise()
+        except ValueError as error:
+            raise SceneError(str(error)) from error
 
     def run(self, steps: int) -> None:
         """Take ``steps`` steps and observe the last one. Raises RunError when a force or position is not finite."""
@@ -222,7 +225,7 @@ def plan(scene: Scene) -> list[str]:
     """Return in words how the scene's steps will be computed: path, instruction set, precision."""
     try:
         path, reason = NativeEngine(scene, seed=0, threads=1).system.plan().split(": ", 1)
-    except SceneError as error:
+    except (SceneError, ValueError) as error:  # the second when PYDLPOLY_SIMD names what is not there
         return [f"none: {error}"]
     precision = scene.dynamics.precision
     if path == "fast":

@@ -8,6 +8,7 @@ error of one product, a number outside its range) is formatted one by one from P
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -47,17 +48,17 @@ def fortran_e(value: float, width: int, decimals: int, *, scale: int = 1) -> str
     """
     if scale not in (0, 1):
         raise ValueError(f"the scale factor must be 0 or 1, not {scale}")
-    if not np.isfinite(value):
+    if not math.isfinite(value):
         return _not_finite(value, width)
-    sign, digits, exponent = _decimal(value, decimals + scale)
-    if scale == 0:
-        exponent += 1 if value != 0.0 else 0
-        mantissa = f"0.{digits}"
+    if scale == 1:  # Python's own form but for long exponents
+        text = f"{value:.{decimals}E}"
+        text = text.replace("E", "") if text[-4] in "+-" else text
     else:
-        mantissa = f"{digits[0]}.{digits[1:]}"
-    text = sign + mantissa + _exponent(exponent)
-    if len(text) == width + 1 and scale == 0:
-        text = text.replace("0.", ".", 1)
+        sign, digits, exponent = _decimal(value, decimals)
+        exponent += 1 if value != 0.0 else 0
+        text = f"{sign}0.{digits}{_exponent(exponent)}"
+        if len(text) == width + 1:
+            text = text.replace("0.", ".", 1)
     return text.rjust(width) if len(text) <= width else "*" * width
 
 
