@@ -147,13 +147,13 @@ for step in range(int(sys.argv[2])):
 
 
 def test_a_program_that_ends_without_close_loses_nothing(tmp_path: Path) -> None:
-    subprocess.run([sys.executable, "-S", "-c", PROGRAM, str(tmp_path / "HISTORY"), "5"], check=True, cwd=tmp_path)
+    subprocess.run([sys.executable, "-c", PROGRAM, str(tmp_path / "HISTORY"), "5"], check=True, cwd=tmp_path)
     assert [frame.step for frame in read_history(tmp_path / "HISTORY")] == [0, 1, 2, 3, 4]
 
 
 def test_a_kill_leaves_whole_frames(tmp_path: Path) -> None:
     path = tmp_path / "HISTORY"
-    command = [sys.executable, "-S", "-c", PROGRAM, str(path), "100000"]
+    command = [sys.executable, "-c", PROGRAM, str(path), "100000"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, cwd=tmp_path) as program:
         assert program.stdout is not None
         program.stdout.readline()
