@@ -28,7 +28,6 @@ std::uint32_t PairTable::kernel_index(const std::string& key) {
     if (found == keys_.end()) {
         kernels_.push_back(make_kernel(key, terms_));
         keys_.push_back(key);
-        // Pairs without a law use the batch after the last kernel, whose number has just grown.
         return static_cast<std::uint32_t>(keys_.size() - 1);
     }
     return static_cast<std::uint32_t>(found - keys_.begin());
