@@ -8,7 +8,7 @@
 
 namespace dlpoly {
 
-inline constexpr size_t batch_capacity = 256;
+inline constexpr size_t batch_capacity = 128;
 inline constexpr size_t batch_lanes = 8;  // phases may read and write this many entries past the end
 
 template <class T>
@@ -27,6 +27,7 @@ struct PairBatch {
     size_t size = 0;
     size_t runs = 0;
     uint32_t term = 0;             // the entry of the pair table
+    double reach_squared = 0.0;    // all pairs are closer than this
     BatchArray<uint32_t> i;        // sorted index of the first bead
     BatchArray<uint32_t> j;        // sorted index of the second bead
     BatchArray<uint32_t> image;    // number of the lattice vector, filled only where pairs have several images

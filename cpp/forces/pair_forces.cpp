@@ -204,7 +204,7 @@ void PairForces::visit_row(const ListRow& row, const PairWalk& walk, PairWorker&
             finish_batch(walk, worker);
             worker.batch.term = block.term;
         }
-        filter.reach_squared = table_.reach_squared()[block.term];
+        worker.batch.reach_squared = table_.reach_squared()[block.term];
         filter.segment = block.first;
         filter.last_segment = block.last;
         filter.entry = row.segments[block.first].first;

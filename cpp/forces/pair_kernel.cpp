@@ -29,6 +29,7 @@ struct LawLoop {
     double* conservative;
     std::size_t count;
     double cutoff_squared;
+    bool some_outside;  // pairs may be farther apart than the law's own cutoff
     bool shifted;
     pair::Shift shift;
 };
@@ -39,21 +40,29 @@ DLPOLY_ALWAYS_INLINE void run_law(const Law& law, const LawLoop& loop) {
     const double* DLPOLY_RESTRICT squared = loop.distance_squared;
     double* DLPOLY_RESTRICT energy = loop.energy;
     double* DLPOLY_RESTRICT conservative = loop.conservative;
-    const double cutoff_squared = loop.cutoff_squared;
     const std::size_t count = loop.count / batch_lanes * batch_lanes;
-    const auto store = [&](std::size_t k, const pair::PairValue& value) {
-        const bool inside = squared[k] < cutoff_squared;
-        energy[k] = inside ? value.energy : 0.0;
-        conservative[k] = inside ? value.force_over_r : 0.0;
-    };
+    // A copy, so that the compiler knows that no store changes the law's numbers.
+    const auto value_at = pair::evaluator(law);
     if (loop.shifted) {
         const pair::Shift shift = loop.shift;
         for (std::size_t k = 0; k < count; ++k) {
-            store(k, pair::shifted(law(squared[k]), shift, squared[k]));
+            const pair::PairValue value = pair::shifted(value_at(squared[k]), shift, squared[k]);
+            energy[k] = value.energy;
+            conservative[k] = value.force_over_r;
         }
     } else {
         for (std::size_t k = 0; k < count; ++k) {
-            store(k, law(squared[k]));
+            const pair::PairValue value = value_at(squared[k]);
+            energy[k] = value.energy;
+            conservative[k] = value.force_over_r;
+        }
+    }
+    if (loop.some_outside) {
+        const double cutoff_squared = loop.cutoff_squared;
+        for (std::size_t k = 0; k < count; ++k) {
+            const bool inside = squared[k] < cutoff_squared;
+            energy[k] = inside ? energy[k] : 0.0;
+            conservative[k] = inside ? conservative[k] : 0.0;
         }
     }
 }
@@ -125,6 +134,7 @@ class LawKernel final : public PairKernel {
                            result.conservative.values,
                            (batch.size + batch_lanes - 1) / batch_lanes * batch_lanes,
                            slot.cutoff_squared,
+                           slot.cutoff_squared < batch.reach_squared,
                            slot.shifted,
                            slot.shift};
         run_(slot.law, loop);

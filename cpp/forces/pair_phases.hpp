@@ -60,7 +60,6 @@ struct FilterArguments {
     const ShiftRecord* shifts;
     int64_t zero;  // number of the lattice vector 0
     bool images;   // whether the batch's images are wanted
-    double reach_squared;
     const ListEntry* entries;
     const ListSegment* segments;
     // Where the filter stands; it stops when the batch is full.
@@ -96,7 +95,7 @@ struct Phases {
     // for all candidates and batch_lanes more.
     ListEntry* (*search)(const SearchArguments&, uint32_t bead, const CandidateRange* ranges, size_t count,
                          ListEntry* out);
-    // Appends pairs within the reach to the batch; true when it came to the last segment's end.
+    // Appends pairs within the batch's reach to it; true when it came to the last segment's end.
     bool (*filter)(FilterArguments&, PairBatch&);
     // Drag and noise with w^R = 1 − r/r_c and mixed words.
     void (*motion)(const MotionArguments&, const PairBatch&, BatchResult&);

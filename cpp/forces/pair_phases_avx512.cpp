@@ -44,9 +44,13 @@ static inline __m512d length_squared(__m512d dx, __m512d dy, __m512d dz) {
 
 static ListEntry* vector_search(const SearchArguments& a, uint32_t bead, const CandidateRange* ranges, size_t count,
                                 ListEntry* out) {
-    const __m512d x = _mm512_set1_pd(a.x[bead]);
-    const __m512d y = _mm512_set1_pd(a.y[bead]);
-    const __m512d z = _mm512_set1_pd(a.z[bead]);
+    // Copies, because the compiler must suppose that storing entries changes the arguments.
+    const double* const all_x = a.x;
+    const double* const all_y = a.y;
+    const double* const all_z = a.z;
+    const __m512d x = _mm512_set1_pd(all_x[bead]);
+    const __m512d y = _mm512_set1_pd(all_y[bead]);
+    const __m512d z = _mm512_set1_pd(all_z[bead]);
     const __m512d limit = _mm512_set1_pd(a.limit_squared);
     const __m512i ascending = _mm512_set_epi64(7, 6, 5, 4, 3, 2, 1, 0);
     for (size_t r = 0; r < count; ++r) {
@@ -59,9 +63,9 @@ static ListEntry* vector_search(const SearchArguments& a, uint32_t bead, const C
         for (uint32_t first = range.begin; first < range.end; first += batch_lanes) {
             const uint32_t left = range.end - first;
             const auto present = static_cast<__mmask8>(left >= batch_lanes ? 0xffU : (1U << left) - 1U);
-            const __m512d dx = _mm512_sub_pd(_mm512_sub_pd(x, _mm512_loadu_pd(a.x + first)), sx);
-            const __m512d dy = _mm512_sub_pd(_mm512_sub_pd(y, _mm512_loadu_pd(a.y + first)), sy);
-            const __m512d dz = _mm512_sub_pd(_mm512_sub_pd(z, _mm512_loadu_pd(a.z + first)), sz);
+            const __m512d dx = _mm512_sub_pd(_mm512_sub_pd(x, _mm512_loadu_pd(all_x + first)), sx);
+            const __m512d dy = _mm512_sub_pd(_mm512_sub_pd(y, _mm512_loadu_pd(all_y + first)), sy);
+            const __m512d dz = _mm512_sub_pd(_mm512_sub_pd(z, _mm512_loadu_pd(all_z + first)), sz);
             const __mmask8 near = _mm512_mask_cmp_pd_mask(present, length_squared(dx, dy, dz), limit, _CMP_LT_OQ);
             const __m512i entries =
                 _mm512_or_si512(image, _mm512_add_epi64(ascending, _mm512_set1_epi64(static_cast<int64_t>(first))));
@@ -73,9 +77,10 @@ static ListEntry* vector_search(const SearchArguments& a, uint32_t bead, const C
 }
 
 static inline bool vector_filter(FilterArguments& a, PairBatch& batch) {
-    const __m512d reach = _mm512_set1_pd(a.reach_squared);
+    const __m512d reach = _mm512_set1_pd(batch.reach_squared);
     const __m512i zero = _mm512_set1_epi64(a.zero);
     return walk_segments(a, batch, [&](uint32_t bead, const BeadRecord& own, const ListEntry* entries, size_t size) {
+        _mm_prefetch(reinterpret_cast<const char*>(entries + 256), _MM_HINT_T0);
         const Columns other = load_records<BeadRecord, 2>(a.beads, &entries->bead);
         const __m512i both = _mm512_loadu_si512(entries);
         const __m512i image = _mm512_add_epi64(
@@ -83,11 +88,20 @@ static inline bool vector_filter(FilterArguments& a, PairBatch& batch) {
         __m512d dx = _mm512_sub_pd(_mm512_set1_pd(own.x), other.x);
         __m512d dy = _mm512_sub_pd(_mm512_set1_pd(own.y), other.y);
         __m512d dz = _mm512_sub_pd(_mm512_set1_pd(own.z), other.z);
-        if (_mm512_cmpneq_epi64_mask(image, zero) != 0) {
-            const __m512i offset = _mm512_slli_epi64(image, 2);
-            dx = _mm512_sub_pd(dx, _mm512_i64gather_pd(offset, &a.shifts->x, 8));
-            dy = _mm512_sub_pd(dy, _mm512_i64gather_pd(offset, &a.shifts->y, 8));
-            dz = _mm512_sub_pd(dz, _mm512_i64gather_pd(offset, &a.shifts->z, 8));
+        unsigned across = _mm512_cmpneq_epi64_mask(image, zero);
+        if (across != 0) {
+            // Neighbours come in ranges of one image: a few at most meet in one vector.
+            alignas(64) int64_t images[batch_lanes];
+            _mm512_store_si512(images, image);
+            while (across != 0) {
+                const int64_t number = images[__builtin_ctz(across)];
+                const ShiftRecord& shift = a.shifts[number];
+                const __mmask8 same = _mm512_cmpeq_epi64_mask(image, _mm512_set1_epi64(number));
+                dx = _mm512_mask_sub_pd(dx, same, dx, _mm512_set1_pd(shift.x));
+                dy = _mm512_mask_sub_pd(dy, same, dy, _mm512_set1_pd(shift.y));
+                dz = _mm512_mask_sub_pd(dz, same, dz, _mm512_set1_pd(shift.z));
+                across &= ~static_cast<unsigned>(same);
+            }
         }
         const __m512d squared = length_squared(dx, dy, dz);
         const __mmask8 near = _mm512_cmp_pd_mask(squared, reach, _CMP_LT_OQ);

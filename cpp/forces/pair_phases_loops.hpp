@@ -33,23 +33,33 @@ static inline void fill_up(PairBatch& batch) {
 
 [[maybe_unused]] static ListEntry* search(const SearchArguments& a, uint32_t bead, const CandidateRange* ranges,
                                           size_t count, ListEntry* out) {
-    const double x = a.x[bead];
-    const double y = a.y[bead];
-    const double z = a.z[bead];
+    // Copies, because the compiler must suppose that storing entries changes the arguments.
+    const double* const all_x = a.x;
+    const double* const all_y = a.y;
+    const double* const all_z = a.z;
+    const double limit_squared = a.limit_squared;
+    const double x = all_x[bead];
+    const double y = all_y[bead];
+    const double z = all_z[bead];
+    constexpr uint32_t chunk = 64;
     for (size_t r = 0; r < count; ++r) {
-        const ShiftRecord shift = a.shifts[ranges[r].image];
-        for (uint32_t first = ranges[r].begin; first < ranges[r].end; first += batch_lanes) {
-            double squared[batch_lanes];
-            for (size_t k = 0; k < batch_lanes; ++k) {
-                const double dx = (x - a.x[first + k]) - shift.x;
-                const double dy = (y - a.y[first + k]) - shift.y;
-                const double dz = (z - a.z[first + k]) - shift.z;
-                squared[k] = dx * dx + dy * dy + dz * dz;
+        const CandidateRange range = ranges[r];
+        const ShiftRecord shift = a.shifts[range.image];
+        for (uint32_t first = range.begin; first < range.end; first += chunk) {
+            const uint32_t size = range.end - first < chunk ? range.end - first : chunk;
+            const double* const other_x = all_x + first;
+            const double* const other_y = all_y + first;
+            const double* const other_z = all_z + first;
+            int64_t near[chunk];
+            for (size_t k = 0; k < size; ++k) {
+                const double dx = (x - other_x[k]) - shift.x;
+                const double dy = (y - other_y[k]) - shift.y;
+                const double dz = (z - other_z[k]) - shift.z;
+                near[k] = dx * dx + dy * dy + dz * dz < limit_squared ? 1 : 0;
             }
-            const uint32_t left = ranges[r].end - first;
-            for (uint32_t k = 0; k < batch_lanes; ++k) {
-                *out = {first + k, ranges[r].image};
-                out += (squared[k] < a.limit_squared ? 1 : 0) & (k < left ? 1 : 0);
+            for (uint32_t k = 0; k < size; ++k) {
+                *out = {first + k, range.image};
+                out += near[k];
             }
         }
     }
@@ -93,6 +103,7 @@ static inline bool walk_segments(FilterArguments& a, PairBatch& batch, const Ste
 }
 
 [[maybe_unused]] static bool filter(FilterArguments& a, PairBatch& batch) {
+    const double reach_squared = batch.reach_squared;
     return walk_segments(a, batch, [&](uint32_t bead, const BeadRecord& own, const ListEntry* entries, size_t size) {
         double dx[batch_lanes], dy[batch_lanes], dz[batch_lanes], squared[batch_lanes];
         int64_t image[batch_lanes];
@@ -123,7 +134,7 @@ static inline bool walk_segments(FilterArguments& a, PairBatch& batch, const Ste
             batch.dy.values[size] = dy[k];
             batch.dz.values[size] = dz[k];
             batch.distance_squared.values[size] = squared[k];
-            size += squared[k] < a.reach_squared ? 1 : 0;
+            size += squared[k] < reach_squared ? 1 : 0;
         }
         return size;
     });
