@@ -16,8 +16,7 @@ constexpr double rounding_margin = 1.0 + 1e-9;
 
 }  // namespace
 
-void LinkCells::build(const Box& box, const Array3N& position, double range, double minimum_width,
-                      double image_range) {
+void LinkCells::build(const Box& box, const Array3N& position, double range, double minimum_width, double image_range) {
     choose_counts(box, position, range, minimum_width, image_range > 0.0 ? image_range : range);
     sort(box, position);
     if (count_ != grouped_count_ || reach_ != grouped_reach_) {

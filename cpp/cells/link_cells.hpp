@@ -52,8 +52,7 @@ class LinkCells {
     [[nodiscard]] bool has_several_images() const noexcept { return several_images_; }
 
   private:
-    void choose_counts(const Box& box, const Array3N& position, double range, double minimum_width,
-                       double image_range);
+    void choose_counts(const Box& box, const Array3N& position, double range, double minimum_width, double image_range);
     void sort(const Box& box, const Array3N& position);
     void group_rows();
 

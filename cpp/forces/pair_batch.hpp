@@ -26,12 +26,12 @@ struct PairRun {
 struct PairBatch {
     size_t size = 0;
     size_t runs = 0;
-    uint32_t term = 0;             // the entry of the pair table
-    double reach_squared = 0.0;    // all pairs are closer than this
-    BatchArray<uint32_t> i;        // sorted index of the first bead
-    BatchArray<uint32_t> j;        // sorted index of the second bead
-    BatchArray<uint32_t> image;    // number of the lattice vector, filled only where pairs have several images
-    BatchArray<double> dx;         // r_i − r_j to the image met
+    uint32_t term = 0;           // the entry of the pair table
+    double reach_squared = 0.0;  // all pairs are closer than this
+    BatchArray<uint32_t> i;      // sorted index of the first bead
+    BatchArray<uint32_t> j;      // sorted index of the second bead
+    BatchArray<uint32_t> image;  // number of the lattice vector, filled only where pairs have several images
+    BatchArray<double> dx;       // r_i − r_j to the image met
     BatchArray<double> dy;
     BatchArray<double> dz;
     BatchArray<double> distance_squared;

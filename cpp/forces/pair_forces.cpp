@@ -19,9 +19,7 @@ namespace {
 // Below this many beads a thread, waiting for each other costs threads more than they bring.
 constexpr std::int64_t beads_per_thread = 500;
 
-double now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 int useful_threads(std::int64_t beads) {
     return static_cast<int>(std::clamp<std::int64_t>(beads / beads_per_thread, 1, thread_limit()));
@@ -265,9 +263,8 @@ void PairForces::evaluate_motion(const PairBatch& batch, BatchResult& result, co
     const std::vector<std::uint32_t>& order = list_.order();
     const auto* codes = list_.image_codes().empty() ? nullptr : list_.image_codes().data();
     if (request.weight_exponent == 2.0 && !request.gaussian_noise) {
-        const MotionArguments arguments{motion_.data(), codes,      order.data(),
-                                        pair.drag,      pair.noise, request.inverse_root_timestep,
-                                        pair.cutoff};
+        const MotionArguments arguments{
+            motion_.data(), codes, order.data(), pair.drag, pair.noise, request.inverse_root_timestep, pair.cutoff};
         phases_->motion(arguments, batch, result);
         return;
     }
@@ -294,11 +291,10 @@ void PairForces::evaluate_motion(const PairBatch& batch, BatchResult& result, co
             const bool forward = order[i] < order[j];
             const std::uint8_t image =
                 codes == nullptr ? std::uint8_t{0} : codes[batch.image.values[k]].code[forward ? 0 : 1];
-            const double zeta =
-                request.gaussian_noise
-                    ? pair_noise(request.seed, request.step, order[i], order[j], image)
-                    : word_to_noise * mix_words(static_cast<std::uint32_t>(motion_[i].word),
-                                                static_cast<std::uint32_t>(motion_[j].word), image);
+            const double zeta = request.gaussian_noise
+                                    ? pair_noise(request.seed, request.step, order[i], order[j], image)
+                                    : word_to_noise * mix_words(static_cast<std::uint32_t>(motion_[i].word),
+                                                                static_cast<std::uint32_t>(motion_[j].word), image);
             result.noise.values[k] = pair.noise * weight * zeta * request.inverse_root_timestep / distance;
         }
     }

@@ -209,8 +209,8 @@ void PairList::build_row(std::int32_t row, const PairTable& table, Scratch& scra
         }
         for (std::uint32_t bead = cells_.start(cell); bead < cells_.start(cell + 1); ++bead) {
             scratch.ranges.front().begin = bead + 1;
-            const ListEntry* end = phases_->search(arguments, bead, scratch.ranges.data(), scratch.ranges.size(),
-                                                   scratch.found.data());
+            const ListEntry* end =
+                phases_->search(arguments, bead, scratch.ranges.data(), scratch.ranges.size(), scratch.found.data());
             const auto found = static_cast<std::size_t>(end - scratch.found.data());
             if (!simple_) {
                 distribute(bead, end, table, scratch);

@@ -83,8 +83,9 @@ static inline bool vector_filter(FilterArguments& a, PairBatch& batch) {
         _mm_prefetch(reinterpret_cast<const char*>(entries + 256), _MM_HINT_T0);
         const Columns other = load_records<BeadRecord, 2>(a.beads, &entries->bead);
         const __m512i both = _mm512_loadu_si512(entries);
-        const __m512i image = _mm512_add_epi64(
-            _mm512_srli_epi64(both, 32), _mm512_sub_epi64(_mm512_castpd_si512(other.w), _mm512_set1_epi64(own.lattice)));
+        const __m512i image =
+            _mm512_add_epi64(_mm512_srli_epi64(both, 32),
+                             _mm512_sub_epi64(_mm512_castpd_si512(other.w), _mm512_set1_epi64(own.lattice)));
         __m512d dx = _mm512_sub_pd(_mm512_set1_pd(own.x), other.x);
         __m512d dy = _mm512_sub_pd(_mm512_set1_pd(own.y), other.y);
         __m512d dz = _mm512_sub_pd(_mm512_set1_pd(own.z), other.z);
@@ -210,9 +211,13 @@ static void vector_add(const PairBatch& batch, const BatchResult& result, GridFo
 }  // namespace avx512
 
 const Phases* avx512_phases() {
-    static constexpr Phases phases{
-        "avx512",           &avx512::vector_search, &avx512::vector_filter, &avx512::vector_motion,
-        &avx512::vector_round, &avx512::vector_add,    &avx512::observe};
+    static constexpr Phases phases{"avx512",
+                                   &avx512::vector_search,
+                                   &avx512::vector_filter,
+                                   &avx512::vector_motion,
+                                   &avx512::vector_round,
+                                   &avx512::vector_add,
+                                   &avx512::observe};
     const bool supported = __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512bw") != 0 &&
                            __builtin_cpu_supports("avx512dq") != 0 && __builtin_cpu_supports("avx512vl") != 0;
     return supported ? &phases : nullptr;

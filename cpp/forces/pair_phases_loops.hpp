@@ -200,8 +200,8 @@ static inline bool round_forces(const PairBatch& batch, BatchResult& result, dou
         const double x = factor * batch.dx.values[k] * scale;
         const double y = factor * batch.dy.values[k] * scale;
         const double z = factor * batch.dz.values[k] * scale;
-        const bool fits = (__builtin_fabs(x) < grid_reach) & (__builtin_fabs(y) < grid_reach) &
-                          (__builtin_fabs(z) < grid_reach);
+        const bool fits =
+            (__builtin_fabs(x) < grid_reach) & (__builtin_fabs(y) < grid_reach) & (__builtin_fabs(z) < grid_reach);
         beyond |= fits ? 0 : 1;
         result.force.values[k] = {to_grid(x), to_grid(y), to_grid(z), 0};
     }

@@ -51,8 +51,8 @@ void SkinTuner::given_up(double displacement, std::int64_t evaluations) noexcept
         return;
     }
     speed_ = displacement / range_ / static_cast<double>(evaluations);
-    const double* best = std::min_element(shares.begin(), shares.end(),
-                                          [this](double a, double b) { return cost(a) < cost(b); });
+    const double* best =
+        std::min_element(shares.begin(), shares.end(), [this](double a, double b) { return cost(a) < cost(b); });
     // A change of the skin can change the grid of cells, which costs more than it brings when the gain is small.
     if (cost(*best) < 0.97 * cost(share_)) {
         share_ = *best;

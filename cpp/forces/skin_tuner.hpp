@@ -31,8 +31,8 @@ class SkinTuner {
     double share_ = 0.15;       // skin over range
     double built_share_ = 0.0;  // of the present list
     double range_ = 1.0;
-    double build_seconds_ = 0.0;  // of a list without skin
-    double walk_seconds_ = 0.0;   // of a list without skin
+    double build_seconds_ = 0.0;   // of a list without skin
+    double walk_seconds_ = 0.0;    // of a list without skin
     double excess_seconds_ = 0.0;  // for as many pairs beyond the reach as there are within it
     double speed_ = 0.0;           // displacement of the fastest bead in one evaluation, over range
     bool measured_ = false;
