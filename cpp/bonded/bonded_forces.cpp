@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -131,8 +132,8 @@ void BondedForces::scaled_pair(const ScaledPair& pair, const bonded::Places& pla
                                std::span<const std::int32_t> species, const PairTable& pairs,
                                bonded::Worker& worker) const {
     const std::uint32_t term = pairs.term(species[pair.i], species[pair.j]);
-    const std::uint32_t kind = pairs.kernel_of()[term];
-    if (kind >= pairs.batch_kinds() - 1) {
+    const PairKernel* kernel = pairs.kernel(term);
+    if (kernel == nullptr) {
         return;  // no law acts between these species
     }
     bonded::Failure failure{&scaled_pair_info(), false, 0.0, {pair.i, pair.j, 0, 0}};
@@ -150,13 +151,14 @@ void BondedForces::scaled_pair(const ScaledPair& pair, const bonded::Places& pla
     PairBatch batch;
     BatchResult result;
     batch.size = 1;
-    batch.term[0] = term;
-    batch.distance_squared[0] = d.squaredNorm();
-    pairs.kernel(kind)->evaluate(batch, result);
-    const double factor = pair.scale * result.conservative[0];
+    batch.term = term;
+    batch.reach_squared = std::numeric_limits<double>::infinity();  // the law checks its own cutoff
+    std::fill_n(batch.distance_squared.values, batch_lanes, d.squaredNorm());
+    kernel->evaluate(batch, result);
+    const double factor = pair.scale * result.conservative.values[0];
     const std::array<std::uint32_t, 2> beads{pair.i, pair.j};
     if (!std::isfinite(factor) ||
-        !worker.add<2>(bonded::scaled_pairs, beads, pair.scale * result.energy[0], {factor * d}, {d})) {
+        !worker.add<2>(bonded::scaled_pairs, beads, pair.scale * result.energy.values[0], {factor * d}, {d})) {
         worker.fail(failure);
     }
 }

@@ -16,8 +16,8 @@ constexpr double rounding_margin = 1.0 + 1e-9;
 
 }  // namespace
 
-void LinkCells::build(const Box& box, const Array3N& position, double range, double minimum_width) {
-    choose_counts(box, position, range, minimum_width);
+void LinkCells::build(const Box& box, const Array3N& position, double range, double minimum_width, double image_range) {
+    choose_counts(box, position, range, minimum_width, image_range > 0.0 ? image_range : range);
     sort(box, position);
     if (count_ != grouped_count_ || reach_ != grouped_reach_) {
         group_rows();
@@ -26,7 +26,8 @@ void LinkCells::build(const Box& box, const Array3N& position, double range, dou
     }
 }
 
-void LinkCells::choose_counts(const Box& box, const Array3N& position, double range, double minimum_width) {
+void LinkCells::choose_counts(const Box& box, const Array3N& position, double range, double minimum_width,
+                              double image_range) {
     periodic_ = box.periodic();
     low_ = Vector3::Constant(-0.5);
     span_ = Vector3::Ones();
@@ -63,7 +64,7 @@ void LinkCells::choose_counts(const Box& box, const Array3N& position, double ra
         reach_[index(axis)] = periodic_[index(axis)] ? static_cast<std::int32_t>(cells)
                                                      : static_cast<std::int32_t>(std::min(cells, wanted[axis] - 1.0));
         several_images_ =
-            several_images_ || (periodic_[index(axis)] && box.widths()[axis] < 2.0 * range * rounding_margin);
+            several_images_ || (periodic_[index(axis)] && box.widths()[axis] < 2.0 * image_range * rounding_margin);
     }
     half_stencil_.clear();
     for (std::int32_t z = 0; z <= reach_[2]; ++z) {
@@ -116,6 +117,14 @@ void LinkCells::neighbours(std::int32_t cell, std::vector<CellImage>& result) co
             result.push_back(image);
         }
     }
+}
+
+std::array<std::int32_t, 3> LinkCells::most_shifts() const noexcept {
+    std::array<std::int32_t, 3> most{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        most[axis] = periodic_[axis] ? (reach_[axis] + count_[axis] - 1) / count_[axis] : 0;
+    }
+    return most;
 }
 
 // A row writes to every row its half stencil reaches; rows that reach a common row get different groups.

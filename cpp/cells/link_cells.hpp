@@ -23,8 +23,10 @@ struct CellImage {
 class LinkCells {
   public:
     // Grids the box for pairs closer than `range`; cells are at least `minimum_width` wide if that is larger than 0,
-    // and at least range wide otherwise. Beads far outside along open axes only enlarge the grid's cells.
-    void build(const Box& box, const Array3N& position, double range, double minimum_width = 0.0);
+    // and at least range wide otherwise. Beads far outside along open axes only enlarge the grid's cells. Whether two
+    // beads have several images is asked for `image_range`, or for the range where that is 0.
+    void build(const Box& box, const Array3N& position, double range, double minimum_width = 0.0,
+               double image_range = 0.0);
 
     [[nodiscard]] std::int32_t cell_count() const noexcept { return count_[0] * count_[1] * count_[2]; }
     [[nodiscard]] const std::array<std::int32_t, 3>& counts() const noexcept { return count_; }
@@ -39,15 +41,18 @@ class LinkCells {
     // The upper half of the neighbours of a cell, without the cell itself in place.
     void neighbours(std::int32_t cell, std::vector<CellImage>& result) const;
 
+    // The largest shift along each axis that a neighbour can have.
+    [[nodiscard]] std::array<std::int32_t, 3> most_shifts() const noexcept;
+
     // Rows of cells along the first axis, grouped so that rows of one group share no cell that they read or write.
     [[nodiscard]] const std::vector<std::vector<std::int32_t>>& row_groups() const noexcept { return row_groups_; }
     [[nodiscard]] std::int32_t row_length() const noexcept { return count_[0]; }
 
-    // True when two beads can meet in more than one image within the range.
+    // True when two beads can meet in more than one image within the image range.
     [[nodiscard]] bool has_several_images() const noexcept { return several_images_; }
 
   private:
-    void choose_counts(const Box& box, const Array3N& position, double range, double minimum_width);
+    void choose_counts(const Box& box, const Array3N& position, double range, double minimum_width, double image_range);
     void sort(const Box& box, const Array3N& position);
     void group_rows();
 

@@ -1,17 +1,19 @@
-// The pair loop: link cells, pair laws, drag and noise, and their exact sums on beads and over the system.
+// The pair loop: pair list, pair laws, drag and noise, and their exact sums on beads and over the system.
 #pragma once
 
 #include <cstdint>
-#include <string>
+#include <memory>
 #include <vector>
 
-#include "cells/link_cells.hpp"
 #include "core/box.hpp"
 #include "core/exact_sum.hpp"
 #include "core/particles.hpp"
 #include "forces/exclusions.hpp"
+#include "forces/pair_list.hpp"
+#include "forces/pair_phases.hpp"
 #include "forces/pair_table.hpp"
 #include "forces/pair_worker.hpp"
+#include "forces/skin_tuner.hpp"
 
 namespace dlpoly {
 
@@ -32,7 +34,10 @@ class PairForces {
     void set_cell_width(double width) noexcept { cell_width_ = width; }
 
     // Pairs that are left out, with their drag and noise.
-    void set_exclusions(Exclusions exclusions) { exclusions_ = std::move(exclusions); }
+    void set_exclusions(Exclusions exclusions) {
+        exclusions_ = std::move(exclusions);
+        list_.forget();
+    }
     [[nodiscard]] bool has_exclusions() const noexcept { return !exclusions_.empty(); }
 
     // Writes the pair force on every bead to particles.force (frozen beads: zero). Drag uses `velocity`.
@@ -41,44 +46,37 @@ class PairForces {
                  PairTotals& totals);
 
     [[nodiscard]] const PairTable& table() const noexcept { return table_; }
-    [[nodiscard]] const LinkCells& cells() const noexcept { return cells_; }
+    [[nodiscard]] const LinkCells& cells() const noexcept { return list_.cells(); }
 
   private:
-    void gather(const Particles& particles, const Array3N& velocity, const ForceRequest& request);
     struct Largest {
         double force = 0.0;
         double energy = 0.0;
     };
 
-    [[nodiscard]] Largest visit_pairs(const Box& box, const ForceRequest& request, int exponent, int energy_exponent);
-    void search_row(const Box& box, std::int32_t row, PairWorker& worker);
-    void search_cell_pair(std::uint32_t i_begin, std::uint32_t i_end, std::uint32_t j_begin, std::uint32_t j_end,
-                          bool same_cell, const Vector3& shift, std::uint8_t image_ij, std::uint8_t image_ji,
-                          PairWorker& worker);
-    void flush(std::size_t kind, PairWorker& worker);
-    void evaluate_drag(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const;
-    // Whether the pair of these sorted indices is left out.
-    [[nodiscard]] bool excluded(std::uint32_t i, std::uint32_t j) const noexcept {
-        return !exclusions_.empty() && exclusions_.contains(cells_.order()[i], cells_.order()[j]);
-    }
-    [[noreturn]] void report_overflow(const PairWorker& worst) const;
+    void update_list(const Box& box, const Particles& particles, int threads);
+    void gather_motion(const Array3N& velocity, const ForceRequest& request, int threads);
+    void spread_forces(Particles& particles, double unit, int threads) const;
+    void collect_totals(int energy_exponent, PairTotals& totals) const;
+    [[nodiscard]] Largest visit_pairs(const PairWalk& walk);
+    void visit_row(const ListRow& row, const PairWalk& walk, PairWorker& worker);
+    void finish_batch(const PairWalk& walk, PairWorker& worker);
+    void evaluate_motion(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const;
+    void find_worst(const PairWalk& walk, PairWorker& worker) const;
+    [[noreturn]] void report_overflow(const PairWorker& worst, std::uint64_t step) const;
 
     PairTable table_;
     Exclusions exclusions_;
-    LinkCells cells_;
+    const Phases* phases_;
+    PairList list_;
+    SkinTuner tuner_;
     double cell_width_ = 0.0;
     int base_exponent_;
     int base_energy_exponent_;
 
-    // Beads in cell order.
-    std::vector<double> x_, y_, z_;
-    std::vector<double> vx_, vy_, vz_;
-    std::vector<std::uint32_t> words_;
-    std::vector<std::int32_t> species_;
-    std::vector<std::uint8_t> frozen_;
-    bool any_frozen_ = false;
-    std::vector<std::int64_t> sums_;  // 3 a bead, grid units
-    std::vector<PairWorker> workers_;
+    std::vector<MotionRecord> motion_;  // in sorted order
+    std::vector<GridForce> sums_;       // in sorted order
+    std::vector<std::unique_ptr<PairWorker>> workers_;
 };
 
 }  // namespace dlpoly

@@ -1,16 +1,105 @@
-// The templated law loop: one instantiation for every law of the registry, which it knows only as a type.
+// The templated law loop: one instantiation for every law of the registry, which it knows only as a type, and every
+// instruction set.
 #include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
+#include "forces/pair_phases.hpp"
 #include "forces/pair_table.hpp"
 #include "pair/registry.hpp"
 #include "pair/shift.hpp"
 
+#if defined(__GNUC__)
+#define DLPOLY_ALWAYS_INLINE [[gnu::always_inline]] inline
+#define DLPOLY_RESTRICT __restrict
+#else
+#define DLPOLY_ALWAYS_INLINE inline
+#define DLPOLY_RESTRICT
+#endif
+
 namespace dlpoly {
 
 namespace {
+
+// The distances of a batch and what a law makes of them. `count` is a multiple of batch_lanes.
+struct LawLoop {
+    const double* distance_squared;
+    double* energy;
+    double* conservative;
+    std::size_t count;
+    double cutoff_squared;
+    bool some_outside;  // pairs may be farther apart than the law's own cutoff
+    bool shifted;
+    pair::Shift shift;
+};
+
+// Always part of its caller, so that it is compiled for the caller's instruction set.
+template <class Law>
+DLPOLY_ALWAYS_INLINE void run_law(const Law& law, const LawLoop& loop) {
+    const double* DLPOLY_RESTRICT squared = loop.distance_squared;
+    double* DLPOLY_RESTRICT energy = loop.energy;
+    double* DLPOLY_RESTRICT conservative = loop.conservative;
+    const std::size_t count = loop.count / batch_lanes * batch_lanes;
+    // A copy, so that the compiler knows that no store changes the law's numbers.
+    const auto value_at = pair::evaluator(law);
+    if (loop.shifted) {
+        const pair::Shift shift = loop.shift;
+        for (std::size_t k = 0; k < count; ++k) {
+            const pair::PairValue value = pair::shifted(value_at(squared[k]), shift, squared[k]);
+            energy[k] = value.energy;
+            conservative[k] = value.force_over_r;
+        }
+    } else {
+        for (std::size_t k = 0; k < count; ++k) {
+            const pair::PairValue value = value_at(squared[k]);
+            energy[k] = value.energy;
+            conservative[k] = value.force_over_r;
+        }
+    }
+    if (loop.some_outside) {
+        const double cutoff_squared = loop.cutoff_squared;
+        for (std::size_t k = 0; k < count; ++k) {
+            const bool inside = squared[k] < cutoff_squared;
+            energy[k] = inside ? energy[k] : 0.0;
+            conservative[k] = inside ? conservative[k] : 0.0;
+        }
+    }
+}
+
+template <class Law>
+void run_plain(const Law& law, const LawLoop& loop) {
+    run_law(law, loop);
+}
+
+#ifdef DLPOLY_LAW_VECTORS
+// `flatten` draws everything the law calls into the loop, so that nothing compiled for these sets can be met elsewhere.
+template <class Law>
+__attribute__((target("avx2"), flatten)) void run_avx2(const Law& law, const LawLoop& loop) {
+    run_law(law, loop);
+}
+
+template <class Law>
+__attribute__((target("avx512f,avx512dq,avx512vl,avx512bw"), flatten)) void run_avx512(const Law& law,
+                                                                                       const LawLoop& loop) {
+    run_law(law, loop);
+}
+#endif
+
+// The loop for the same instruction set as the other phases.
+template <class Law>
+auto choose_loop() -> void (*)(const Law&, const LawLoop&) {
+#ifdef DLPOLY_LAW_VECTORS
+    const Phases* chosen = &chosen_phases();
+    if (chosen == avx512_phases()) {
+        return &run_avx512<Law>;
+    }
+    if (chosen == avx2_phases()) {
+        return &run_avx2<Law>;
+    }
+#endif
+    return &run_plain<Law>;
+}
 
 template <class Law>
 class LawKernel final : public PairKernel {
@@ -39,17 +128,16 @@ class LawKernel final : public PairKernel {
     }
 
     void evaluate(const PairBatch& batch, BatchResult& result) const override {
-        for (std::size_t k = 0; k < batch.size; ++k) {
-            const Slot& slot = *slots_[batch.term[k]];
-            const double distance_squared = batch.distance_squared[k];
-            pair::PairValue value = slot.law(distance_squared);
-            if (slot.shifted) {
-                value = pair::shifted(value, slot.shift, distance_squared);
-            }
-            const bool inside = distance_squared < slot.cutoff_squared;
-            result.energy[k] = inside ? value.energy : 0.0;
-            result.conservative[k] = inside ? value.force_over_r : 0.0;
-        }
+        const Slot& slot = *slots_[batch.term];
+        const LawLoop loop{batch.distance_squared.values,
+                           result.energy.values,
+                           result.conservative.values,
+                           (batch.size + batch_lanes - 1) / batch_lanes * batch_lanes,
+                           slot.cutoff_squared,
+                           slot.cutoff_squared < batch.reach_squared,
+                           slot.shifted,
+                           slot.shift};
+        run_(slot.law, loop);
     }
 
     [[nodiscard]] std::pair<double, double> at(std::uint32_t term, double distance) const override {
@@ -73,6 +161,7 @@ class LawKernel final : public PairKernel {
     }
 
     std::vector<std::optional<Slot>> slots_;
+    void (*run_)(const Law&, const LawLoop&) = choose_loop<Law>();
 };
 
 }  // namespace

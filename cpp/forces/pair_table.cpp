@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "forces/pair_phases.hpp"
+
 namespace dlpoly {
 
 namespace {
@@ -21,14 +23,15 @@ PairTable::PairTable(std::int32_t species)
       reach_squared_(terms_, 0.0),
       kernel_of_(terms_, no_kernel),
       drags_(terms_),
-      soft_laws_(terms_) {}
+      soft_laws_(terms_) {
+    static_cast<void>(chosen_phases());  // an instruction set that cannot be had is no fault of any pair: said first
+}
 
 std::uint32_t PairTable::kernel_index(const std::string& key) {
     const auto found = std::find(keys_.begin(), keys_.end(), key);
     if (found == keys_.end()) {
         kernels_.push_back(make_kernel(key, terms_));
         keys_.push_back(key);
-        // Pairs without a law use the batch after the last kernel, whose number has just grown.
         return static_cast<std::uint32_t>(keys_.size() - 1);
     }
     return static_cast<std::uint32_t>(found - keys_.begin());

@@ -27,7 +27,8 @@ class PairKernel {
     // Adds a tabulated pair (only the kernel of "tab").
     virtual void add_table(std::uint32_t term, std::span<const double> energy, std::span<const double> virial,
                            double spacing, double cutoff, bool force_shift) = 0;
-    // Writes energy and conservative factor of every pair of the batch (0 beyond the law's own cutoff).
+    // Writes energy and conservative factor of every pair of the batch (0 beyond the law's own cutoff), up to whole
+    // lanes.
     virtual void evaluate(const PairBatch& batch, BatchResult& result) const = 0;
     // Energy and −dU/dr at one distance, for characteristic magnitudes and messages.
     [[nodiscard]] virtual std::pair<double, double> at(std::uint32_t term, double distance) const = 0;
@@ -61,9 +62,8 @@ class PairTable {
     [[nodiscard]] bool has_drag() const noexcept { return has_drag_; }
     [[nodiscard]] double range() const noexcept { return range_; }  // the largest cutoff of all pairs
 
-    // By term: squared reach of the pair (law or drag, whichever is longer), its kernel, its drag.
+    // By term: squared reach of the pair (law or drag, whichever is longer; 0: the pair does nothing) and its drag.
     [[nodiscard]] const std::vector<double>& reach_squared() const noexcept { return reach_squared_; }
-    [[nodiscard]] const std::vector<std::uint32_t>& kernel_of() const noexcept { return kernel_of_; }
     [[nodiscard]] const std::vector<PairDrag>& drags() const noexcept { return drags_; }
 
     // The soft repulsion of a pair, zeros when it has none.
@@ -76,11 +76,11 @@ class PairTable {
     // Whether every pair has the law dpd or none, over its own range, and a drag of the same range or none.
     [[nodiscard]] bool is_soft() const noexcept;
 
-    // Batches are kept per kernel; the last one is for pairs that have a drag but no conservative law.
-    [[nodiscard]] std::size_t batch_kinds() const noexcept { return kernels_.size() + 1; }
-    [[nodiscard]] const PairKernel* kernel(std::size_t kind) const noexcept {
-        return kind < kernels_.size() ? kernels_[kind].get() : nullptr;
+    // The kernel of an entry; nullptr for pairs that have no conservative law.
+    [[nodiscard]] const PairKernel* kernel(std::uint32_t term) const noexcept {
+        return kernel_of_[term] < kernels_.size() ? kernels_[kernel_of_[term]].get() : nullptr;
     }
+    [[nodiscard]] std::size_t terms() const noexcept { return terms_; }
 
     // The largest force that beads at thermal energy meet: the pair forces where U rises 50 k_B T above its value at
     // the cutoff (or at contact, for soft laws). It only chooses the grid of the exact sums.

@@ -2,11 +2,8 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
-#include <vector>
 
-#include "cells/link_cells.hpp"
 #include "core/exact_sum.hpp"
 #include "forces/pair_batch.hpp"
 
@@ -23,36 +20,39 @@ struct ForceRequest {
     std::uint64_t step = 0;
 };
 
-// What one thread owns while it walks rows of cells: batches, partial totals and the worst pair it met.
+// What one thread owns while it walks rows of the pair list: a batch, partial totals and the worst pair it met.
 struct PairWorker {
-    std::vector<PairBatch> batches;
+    PairBatch batch;
     BatchResult result;
-    std::vector<CellImage> neighbours;
-    ForceRequest request;
-    double scale = 0.0;
-    double energy_scale = 0.0;
+    std::int64_t accepted = 0;  // pairs within their reach
     WideSum energy;
-    std::array<WideSum, 9> conservative, drag, noise;
-    // Largest force term and largest energy or virial term met, in units of the largest term allowed; above 1 the sums
-    // must be repeated on a coarser grid. Apart, so that observing a step never changes its forces.
+    std::array<std::array<WideSum, 6>, 3> virial;  // conservative, drag, noise; xx xy xz yy yz zz
+    // Largest force term and largest energy or virial term met, in units of the largest term allowed; from 1 on the
+    // sums must be repeated on a coarser grid. Smaller ones are not kept. Apart, so that observing a step never changes
+    // its forces.
     double largest = 0.0;
     double largest_energy = 0.0;
     std::uint32_t largest_i = 0, largest_j = 0;
     double largest_distance = 0.0;
 
-    void reset(std::size_t kinds, const ForceRequest& asked, int exponent, int energy_exponent) {
-        batches.resize(kinds);
-        for (PairBatch& batch : batches) {
-            batch.size = 0;
-        }
-        request = asked;
-        scale = std::ldexp(1.0, exponent);
-        energy_scale = std::ldexp(1.0, energy_exponent);
+    void reset() {
+        batch.size = 0;
+        batch.runs = 0;
+        accepted = 0;
         energy = WideSum();
-        conservative = drag = noise = {};
+        virial = {};
         largest = 0.0;
         largest_energy = 0.0;
     }
+};
+
+// What is the same for all pairs of one walk.
+struct PairWalk {
+    ForceRequest request;
+    bool motion = false;  // drag and noise act
+    double scale = 0.0;
+    double energy_scale = 0.0;
+    int threads = 1;
 };
 
 }  // namespace dlpoly

@@ -35,6 +35,19 @@ struct LawInfo {
 //   PairValue operator()(double distance_squared) const noexcept;
 // and, where DL_POLY's long-range correction is not the integral of the law itself,
 //   Tail tail(double cutoff) const;  see tail.hpp
+// and, where the law owns memory,
+//   auto evaluator() const;  a value type with the same operator()
 // A soft law returns force_over_r = 0 at r = 0; a hard law may return infinities there, which the pair loop reports.
+
+// What the pair loop evaluates: a copy of the law, or whatever Law::evaluator() returns, for a law whose own copies are
+// not plain numbers.
+template <class Law>
+auto evaluator(const Law& law) noexcept {
+    if constexpr (requires { law.evaluator(); }) {
+        return law.evaluator();
+    } else {
+        return law;
+    }
+}
 
 }  // namespace dlpoly::pair

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <sstream>
@@ -32,6 +33,40 @@ struct Table {
 // Below the first node U continues along its tangent: finite, with the table's last known force, so that beads of a
 // soft table may coincide; a hard table ends in a force that keeps beads away from there.
 class Tabulated {
+    struct Node {
+        double energy;
+        double slope;  // dU/dr · spacing
+    };
+
+    // The curve without the ownership of its nodes.
+    struct Curve {
+        const Node* nodes = nullptr;
+        double inverse_spacing = 0.0;
+        double last_interval = 0.0;
+
+        PairValue operator()(double distance_squared) const noexcept {
+            const double distance = std::sqrt(distance_squared);
+            const double position = distance * inverse_spacing - 1.0;  // in spacings from the first node
+            // Written so that a distance that is not a number reads the last interval, not memory outside the table.
+            // The 32-bit index and the plain selects let loops over the curve be vectorised.
+            const double left = std::floor(position);
+            const double capped = left < last_interval ? left : last_interval;
+            const double lower = capped > 0.0 ? capped : 0.0;
+            const auto interval = static_cast<std::int32_t>(lower);
+            const Node a = nodes[interval];
+            const Node b = nodes[interval + 1];
+            const double t = position > lower ? position - lower : 0.0;
+            const double below = position < 0.0 ? position : 0.0;
+            // U = U_a + t (s_a + t (c2 + t c3)), slopes per spacing; both derivatives match at both ends.
+            const double rise = b.energy - a.energy;
+            const double quadratic = 3.0 * rise - 2.0 * a.slope - b.slope;
+            const double cubic = a.slope + b.slope - 2.0 * rise;
+            const double energy = a.energy + t * (a.slope + t * (quadratic + t * cubic)) + below * a.slope;
+            const double slope = a.slope + t * (2.0 * quadratic + 3.0 * t * cubic);
+            return {energy, -slope * inverse_spacing * inverse_or_zero(distance)};
+        }
+    };
+
   public:
     static constexpr LawInfo info{.key = "tab",
                                   .description = "tabulated, from the TABLE file",
@@ -50,37 +85,21 @@ class Tabulated {
 
     double range() const noexcept { return 0.0; }
 
-    PairValue operator()(double distance_squared) const noexcept {
-        const double distance = std::sqrt(distance_squared);
-        const double position = distance * inverse_spacing_ - 1.0;  // in spacings from the first node
-        // Written so that a distance that is not a number reads the last interval, not memory outside the table.
-        const double lower = std::max(0.0, std::min(last_interval_, std::floor(position)));
-        const Node& a = nodes_[static_cast<std::size_t>(lower)];
-        const Node& b = nodes_[static_cast<std::size_t>(lower) + 1];
-        const double t = std::max(0.0, position - lower);
-        const double below = std::min(0.0, position);
-        // U = U_a + t (s_a + t (c2 + t c3)), slopes per spacing; both derivatives match at both ends.
-        const double rise = b.energy - a.energy;
-        const double quadratic = 3.0 * rise - 2.0 * a.slope - b.slope;
-        const double cubic = a.slope + b.slope - 2.0 * rise;
-        const double energy = a.energy + t * (a.slope + t * (quadratic + t * cubic)) + below * a.slope;
-        const double slope = a.slope + t * (2.0 * quadratic + 3.0 * t * cubic);
-        return {energy, -slope * inverse_spacing_ * inverse_or_zero(distance)};
-    }
+    PairValue operator()(double distance_squared) const noexcept { return curve_(distance_squared); }
+
+    Curve evaluator() const noexcept { return curve_; }
 
     Tail tail(double /*cutoff*/) const noexcept { return tail_; }
 
   private:
-    struct Node {
-        double energy;
-        double slope;  // dU/dr · spacing
-    };
-
     Tabulated(const std::shared_ptr<const Table>& table, double cutoff) {
         const std::size_t count = table->energy.size();
         const double spacing = table->spacing;
         if (!(std::isfinite(spacing) && spacing > 0.0)) {
             throw std::invalid_argument("pair law tab: the table's spacing must be a positive number");
+        }
+        if (count >= (std::size_t{1} << 31)) {
+            throw std::invalid_argument("pair law tab: a table has fewer than 2^31 points");
         }
         if (count < 2 || table->virial.size() != count) {
             throw std::invalid_argument(
@@ -105,17 +124,13 @@ class Tabulated {
             nodes->push_back({table->energy[k], -table->virial[k] / static_cast<double>(k + 1)});
         }
         tail_ = table->tail;
-        nodes_ = nodes->data();
+        curve_ = {nodes->data(), 1.0 / spacing, static_cast<double>(count - 2)};
         owner_ = std::move(nodes);
-        inverse_spacing_ = 1.0 / spacing;
-        last_interval_ = static_cast<double>(count - 2);
     }
 
-    std::shared_ptr<const std::vector<Node>> owner_;  // keeps nodes_ alive in every copy of the law
-    const Node* nodes_ = nullptr;
+    std::shared_ptr<const std::vector<Node>> owner_;  // keeps the curve's nodes alive in every copy of the law
+    Curve curve_;
     Tail tail_;
-    double inverse_spacing_ = 0.0;
-    double last_interval_ = 0.0;
 };
 
 }  // namespace dlpoly::pair

@@ -240,7 +240,8 @@ def plan(scene: Scene) -> list[str]:
     )
     return [
         f"general path: {reason}",
-        "link cells, pair arithmetic in double precision, exact integer sums",
+        "pair list of link cells, kept while no bead has crossed half its skin; the skin follows measured times",
+        "pair arithmetic in double precision, exact integer sums",
         f"noise: {noise}",
     ]
 
