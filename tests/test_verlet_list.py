@@ -182,7 +182,8 @@ def test_excluded_pairs_stay_out_of_every_list() -> None:
         fresh.initialise()
         assert kept.forces.tobytes() == fresh.forces.tobytes()
         assert kept.pair_energy == fresh.pair_energy
-    free.set_bonded(_core.BondedTerms([False] * len(LATTICE), 1.0), chained)  # a list that is there already is made anew
+    # A list that is there already is made anew.
+    free.set_bonded(_core.BondedTerms([False] * len(LATTICE), 1.0), chained)
     free.initialise()
     assert free.forces.tobytes() == with_exclusions(SHIFTED, chained).forces.tobytes()
 
