@@ -93,6 +93,12 @@ double momentum_range(const Kinds& kinds, const PairTable& table, double thermal
     return 40.0 * std::sqrt(heaviest * energy);
 }
 
+// Edge of a cube that holds two to three beads on average. Cells of a thin fluid are this wide: with fewer beads in a
+// cell the vectors of the search stay empty, and visiting cells would cost more than the candidates they save.
+double spacing(const State& state) {
+    return std::cbrt(2.5 * state.box.volume() / static_cast<double>(state.particles.count()));
+}
+
 template <class Record>
 class FluidOf final : public Fluid {
   public:
@@ -101,7 +107,7 @@ class FluidOf final : public Fluid {
         : passes_(passes),
           kinds_(find_kinds(state.particles, most_kinds)),
           edges_(state.box.cell().diagonal()),
-          grid_(make_grid(edges_, table.range(), std::max(cell_width, table.range()),
+          grid_(make_grid(edges_, table.range(), std::max({cell_width, table.range(), spacing(state)}),
                           static_cast<int>(8 * sizeof(Fixed)))),
           beads_(static_cast<std::size_t>(state.particles.count())),
           sorted_(beads_ + padding),
@@ -151,6 +157,13 @@ class FluidOf final : public Fluid {
         shadow_z_.data()[place] = static_cast<std::uint8_t>(bead.z >> grid_.shadow_shift[2]);
     }
 
+    // Impulses of the last step, 3 a bead by id. They stand where the advanced records of the step before stood: once
+    // those have been sorted, a last step neither reads nor writes any.
+    std::int64_t* impulses() noexcept {
+        static_assert(3 * sizeof(std::int64_t) <= sizeof(Record));
+        return reinterpret_cast<std::int64_t*>(advanced_.data());
+    }
+
     Pass<Record> pass_of(Variant variant) const {
         if constexpr (std::is_same_v<Record, MixedRecord>) {
             return passes_.mixed(variant);
@@ -191,8 +204,7 @@ class FluidOf final : public Fluid {
     std::array<Arithmetic, most_kinds> drift_{};
     std::vector<std::vector<std::int32_t>> histograms_;
     std::vector<std::int32_t> part_;  // beads part_[t] … part_[t + 1] of `advanced_` belong to thread t
-    std::vector<std::int64_t> impulses_;
-    std::vector<double> observed_;  // observed_numbers a row of cells
+    std::vector<double> observed_;    // observed_numbers a row of cells
     const PairTable& table_;
     BondedForces* bonded_ = nullptr;
     BondedTotals* bonded_totals_ = nullptr;
@@ -320,7 +332,7 @@ void FluidOf<Record>::give_motion(State& state) {
             constexpr int unused_bits = static_cast<int>(8 * sizeof(Fixed)) - Record::position_bits;
             particles.position(i, axis) = static_cast<double>(position[k] >> unused_bits) *
                                           (edges_[axis] * std::ldexp(1.0, -Record::position_bits));
-            const double whole = static_cast<double>(momentum[k]) + 0.5 * static_cast<double>(impulses_[3 * id + k]);
+            const double whole = static_cast<double>(momentum[k]) + 0.5 * static_cast<double>(impulses()[3 * id + k]);
             particles.velocity(i, axis) = whole * axis_unit(axis) / particles.mass[id];
         }
     }
@@ -333,7 +345,7 @@ void FluidOf<Record>::give_forces(State& state) {
         const auto id = static_cast<std::size_t>(i);
         const bool frozen = particles.frozen[id] != 0;
         for (Eigen::Index axis = 0; axis < 3; ++axis) {
-            const auto impulse = static_cast<double>(impulses_[3 * id + static_cast<std::size_t>(axis)]);
+            const auto impulse = static_cast<double>(impulses()[3 * id + static_cast<std::size_t>(axis)]);
             particles.force(i, axis) = frozen ? 0.0 : impulse * axis_unit(axis) / timestep_;
         }
     }
@@ -366,7 +378,7 @@ PassArguments<Record> FluidOf<Record>::arguments(State& state) {
     a.drift = drift_.data();
     a.images = state.particles.image.data();
     a.cell_of = cell_of_.data();
-    a.impulses = impulses_.data();
+    a.impulses = impulses();
     return a;
 }
 
@@ -454,7 +466,6 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
     const bool one_kind = kinds_.list.size() == 1;
     const Pass<Record> inner = pass_of({one_kind, has_drag_, false, false});
     const Pass<Record> last = pass_of({one_kind, has_drag_, true, true});
-    impulses_.resize(3 * beads_);
     observed_.assign(static_cast<std::size_t>(grid_.rows()) * observed_numbers, 0.0);
     std::uint64_t overflow = 0;
     const int asked = thread_count();
@@ -703,9 +714,6 @@ std::string refusal(const Box& box, const Particles& particles, const PairTable&
     const double longest = settings.precision == Precision::mixed ? 512.0 : 2048.0;
     if (cell.diagonal().maxCoeff() > longest * table.range()) {
         return "the box is too long for fixed-point positions";
-    }
-    if (box.volume() / std::pow(table.range(), 3) > 4096.0 + 8.0 * static_cast<double>(particles.count())) {
-        return "the box is nearly empty";
     }
     if (settings.drag && (settings.weight_exponent != 2.0 || settings.prediction != 0.5)) {
         return "the weight exponent is not 2 or lambda is not 1/2";

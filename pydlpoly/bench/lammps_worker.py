@@ -1,10 +1,10 @@
 """A program that runs LAMMPS and times its loop: ``python lammps_worker.py CONFIG``.
 
-Commands and answers are JSON, one a line. CONFIG has ``box`` and ``dynamics`` (LAMMPS commands) and ``beads`` (an .npz
-file of positions, velocities and types). The first answer says which LAMMPS this is. Then ``{"commands": […]}``
-executes commands, makes LAMMPS set up its lists anew and is answered by ``{}``; ``{"steps": n}`` is answered by
-``{"seconds": t}``; ``{"thermo": true}`` by the temperature and the potential energy of a bead. What LAMMPS refuses is
-answered by ``{"error": …}``. The program ends with its input.
+Commands and answers are JSON, one a line. CONFIG has ``box`` and ``dynamics`` (LAMMPS commands) and either ``beads``
+(an .npz file of positions, velocities and types) or ``data`` (a data file). The first answer says which LAMMPS this is.
+Then ``{"commands": […]}`` executes commands, makes LAMMPS set up its lists anew and is answered by ``{}``;
+``{"steps": n}`` is answered by ``{"seconds": t}``; ``{"thermo": true}`` by the temperature and the potential energy of
+a bead. What LAMMPS refuses is answered by ``{"error": …}``. The program ends with its input.
 """
 
 from __future__ import annotations
@@ -26,6 +26,10 @@ def start(config: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
     if engine.has_package("OPENMP"):  # for the pair styles of that package
         engine.command("package omp 1")
     engine.commands_list(config["box"])
+    if "data" in config:
+        engine.command(f'read_data "{config["data"]}"')
+        engine.commands_list(config["dynamics"])
+        return engine, {"version": str(engine.version()), "beads": int(engine.get_natoms())}
     with np.load(config["beads"]) as beads:
         count = len(beads["types"])
         created = engine.create_atoms(

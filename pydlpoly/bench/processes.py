@@ -156,10 +156,18 @@ def start_lammps(given: LammpsInput, folder: Path, species: NDArray[np.int32], s
         InputError: LAMMPS is not installed.
         RunError: LAMMPS does not start.
     """
+    config: dict[str, object] = {"box": given.box, "dynamics": given.dynamics}
     with np.load(state) as saved:
+        positions, velocities = saved["positions"], saved["velocities"]
+    types = species.astype(np.int32) + 1
+    if given.data is None:
         beads = folder / "beads.npz"
-        np.savez(beads, positions=saved["positions"], velocities=saved["velocities"], types=species.astype(int) + 1)
-    config = {"box": given.box, "dynamics": given.dynamics, "beads": str(beads)}
+        np.savez(beads, positions=positions, velocities=velocities, types=types)
+        config["beads"] = str(beads)
+    else:
+        data = folder / "beads.data"
+        data.write_text(given.data.text(positions, velocities, types), encoding="ascii")
+        config["data"] = str(data)
     command = [sys.executable, *isolation(), str(_HERE / "lammps_worker.py"), json.dumps(config)]
     return Process(command, lammps_environment(), "LAMMPS")
 
