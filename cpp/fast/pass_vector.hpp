@@ -12,32 +12,50 @@
 
 namespace dlpoly::fast::DLPOLY_SIMD {
 
-// Copies the shadows of all candidates of a block next to each other. Returns how many there are and where the block's
-// first bead stands among them, or −1 when they are too many for the buffers.
+// Copies the shadows of consecutive beads behind the `count` candidates that are there. Whole vectors are copied; what
+// they write past the span is overwritten by the next one.
 template <class Lanes, class Record>
-DLPOLY_INLINE int collect(const PassArguments<Record>& a, Workspace<Record>& work, const Candidates& candidates,
-                          int block, int32_t first_bead, int* self) {
-    int total = 0;
-    for (int s = 0; s < candidates.count; ++s) {
-        total += candidates.spans[s].end - candidates.spans[s].begin;
+DLPOLY_INLINE void append(const PassArguments<Record>& a, Workspace<Record>& work, Span span, int at) {
+    const int length = span.end - span.begin;
+    Lanes::copy_shadows(a, span.begin, work.x + at, work.y + at, work.z + at, work.offset + at);
+    for (int k = Lanes::copy_width; __builtin_expect(k < length, 0); k += Lanes::copy_width) {
+        Lanes::copy_shadows(a, span.begin + k, work.x + at + k, work.y + at + k, work.z + at + k, work.offset + at + k);
     }
-    if (total > most_candidates) {
-        return -1;
-    }
+}
+
+// Brings the shadows of all candidates of the block of cells first..last next to each other. Returns how many there are
+// and where the block's first bead stands among them, or −1 when they are too many for the buffers.
+template <class Lanes, class Record>
+DLPOLY_INLINE int collect(const PassArguments<Record>& a, Workspace<Record>& work, const int32_t* rows, int32_t first,
+                          int32_t last, int block, int* self) {
     const int at = block * candidate_stride;
     int count = 0;
+    if (__builtin_expect(first > 0 && last < a.cells_x, 1)) {  // nine rows, none of which wraps
+        for (int k = 0; k < 9; ++k) {
+            const int32_t* start = a.row_start + static_cast<int64_t>(rows[k]) * a.cells_x;
+            const Span span{start[first - 1], start[last + 1]};
+            if (__builtin_expect(count + (span.end - span.begin) > most_candidates, 0)) {
+                return -1;
+            }
+            append<Lanes>(a, work, span, at + count);
+            count += span.end - span.begin;
+        }
+        const int32_t* own = a.row_start + static_cast<int64_t>(rows[0]) * a.cells_x;  // the first row
+        *self = own[first] - own[first - 1];
+        return count;
+    }
+    const int32_t first_bead = a.row_start[static_cast<int64_t>(rows[0]) * a.cells_x + first];
+    const Candidates candidates = candidates_of(a, rows, first, last);
     for (int s = 0; s < candidates.count; ++s) {
         const Span span = candidates.spans[s];
+        if (count + (span.end - span.begin) > most_candidates) {
+            return -1;
+        }
         if (first_bead >= span.begin && first_bead < span.end) {
             *self = count + (first_bead - span.begin);
         }
-        const int length = span.end - span.begin;
-        // Whole vectors are copied; what they write past the span is overwritten by the next one.
-        for (int k = 0; k < length; k += Lanes::copy_width) {
-            Lanes::copy_shadows(a, span.begin + k, work.x + at + count + k, work.y + at + count + k,
-                                work.z + at + count + k, work.offset + at + count + k);
-        }
-        count += length;
+        append<Lanes>(a, work, span, at + count);
+        count += span.end - span.begin;
     }
     return count;
 }
@@ -202,8 +220,7 @@ void vector_pass(PassArguments<Record>& a, int32_t first_place, int32_t last_pla
                     break;
                 }
                 block_self[blocks] = 0;
-                block_count[blocks] = collect<Lanes>(a, work, candidates_of(a, rows, cell, next), blocks, start[cell],
-                                                     &block_self[blocks]);
+                block_count[blocks] = collect<Lanes>(a, work, rows, cell, next, blocks, &block_self[blocks]);
                 block_first[++blocks] = next;
                 cell = next;
             }
