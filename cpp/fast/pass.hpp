@@ -172,15 +172,15 @@ inline void advance_bead(PassArguments<Record>& a, const Record& bead, const typ
     const uint32_t kind = bead.tag >> kind_shift;
     const Real drift = a.drift[kind];
     out = bead;
-    if (drift != Real(0)) {  // frozen beads keep still, whatever pushes them
-        out.px = bead.px + impulse[0];
-        out.py = bead.py + impulse[1];
-        out.pz = bead.pz + impulse[2];
+    if (drift != Real(0)) {  // frozen beads keep still, whatever pushes them; a sum that wraps is out of range below
+        out.px = wrapped_sum(bead.px, impulse[0]);
+        out.py = wrapped_sum(bead.py, impulse[1]);
+        out.pz = wrapped_sum(bead.pz, impulse[2]);
     }
     constexpr int unused_bits = static_cast<int>(8 * sizeof(Fixed)) - Record::position_bits;
-    const Fixed step_x = static_cast<Fixed>(nearest(static_cast<Real>(out.px) * drift)) * (Fixed{1} << unused_bits);
-    const Fixed step_y = static_cast<Fixed>(nearest(static_cast<Real>(out.py) * drift)) * (Fixed{1} << unused_bits);
-    const Fixed step_z = static_cast<Fixed>(nearest(static_cast<Real>(out.pz) * drift)) * (Fixed{1} << unused_bits);
+    const Fixed step_x = shifted_up<Fixed>(nearest(static_cast<Real>(out.px) * drift), unused_bits);
+    const Fixed step_y = shifted_up<Fixed>(nearest(static_cast<Real>(out.py) * drift), unused_bits);
+    const Fixed step_z = shifted_up<Fixed>(nearest(static_cast<Real>(out.pz) * drift), unused_bits);
     out.x = wrapped_sum(bead.x, step_x);
     out.y = wrapped_sum(bead.y, step_y);
     out.z = wrapped_sum(bead.z, step_z);

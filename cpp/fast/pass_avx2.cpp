@@ -30,7 +30,8 @@ static Pass<DoubleRecord> in_double(Variant variant) { return DLPOLY_CHOOSE_PASS
 const Passes* avx2_passes() {
     static constexpr Passes passes{"avx2", &avx2::mixed, &avx2::in_double};
     const bool supported = __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0 &&
-                           __builtin_cpu_supports("bmi2") != 0;
+                           __builtin_cpu_supports("bmi") != 0 && __builtin_cpu_supports("bmi2") != 0 &&
+                           __builtin_cpu_supports("popcnt") != 0;
     return supported ? &passes : nullptr;
 }
 

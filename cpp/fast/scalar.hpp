@@ -21,6 +21,7 @@ struct UnsignedOf<int64_t> {
 };
 
 // Differences and sums of fixed-point positions wrap: that is the minimum image, and must not be undefined behaviour.
+// Sums of momenta wrap where a run leaves their range, before the run is stopped.
 template <class Fixed>
 inline Fixed wrapped_difference(Fixed a, Fixed b) {
     using Unsigned = typename UnsignedOf<Fixed>::type;
@@ -30,6 +31,12 @@ template <class Fixed>
 inline Fixed wrapped_sum(Fixed a, Fixed b) {
     using Unsigned = typename UnsignedOf<Fixed>::type;
     return static_cast<Fixed>(static_cast<Unsigned>(a) + static_cast<Unsigned>(b));
+}
+// A step of several boxes, which only momenta out of range make, wraps too.
+template <class Fixed>
+inline Fixed shifted_up(int64_t a, int bits) {
+    using Unsigned = typename UnsignedOf<Fixed>::type;
+    return static_cast<Fixed>(static_cast<Unsigned>(a) << bits);
 }
 
 inline float square_root(float x) { return sqrtf(x); }
