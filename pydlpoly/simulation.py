@@ -26,7 +26,9 @@ from pydlpoly.scene.continuation import check_continues
 from pydlpoly.scene.model import BondedKind, Precision, Scene
 from pydlpoly.scene.serialise import scene_from_arrays, scene_to_arrays
 
-_SECONDS_PER_CHUNK = 0.2  # how long Ctrl-C may wait
+_SECONDS_PER_CHUNK = 0.2  # how long Ctrl-C may wait in scenes of usual size
+_STEPS_PER_CHUNK = 20  # at least, unless they take longer than
+_LONGEST_CHUNK = 3.0  # seconds
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,7 +238,10 @@ class Simulation:
         return step
 
     def _chunk(self) -> int:
-        return max(1, int(self._rate * _SECONDS_PER_CHUNK)) if self._rate > 0.0 else 1
+        # A chunk's ends cost as much as a step or two. Large scenes take several steps all the same, while an interrupt
+        # still waits no longer than a few seconds.
+        several = min(_STEPS_PER_CHUNK, int(self._rate * _LONGEST_CHUNK))
+        return max(1, int(self._rate * _SECONDS_PER_CHUNK), several)
 
     def _advance(self, steps: int) -> None:
         self._observation = self._stored_totals = None
