@@ -146,12 +146,15 @@ def _label(program: str, threads: int, precision: str, simd: str | None) -> str:
 
 
 def calibrated(process: Process, seconds: float) -> int:
-    """Return the number of steps that takes about so long; whole hundreds where there are that many."""
+    """Return the number of steps that takes about so long, 20 at least; whole hundreds where there are that many.
+
+    Fewer would say more about the ends of a run, where beads are converted and observed, than about its steps.
+    """
     steps, taken = 2, process.seconds(2)
     while taken < 0.2 * seconds:
         steps *= 4
         taken = process.seconds(steps)
-    found = max(1, round(steps * seconds / taken))
+    found = max(20, round(steps * seconds / taken))
     return found if found < 100 else round(found / 100) * 100
 
 
