@@ -1,6 +1,6 @@
 """Measures the numbers of docs/performance.md anew and writes them between its marks: ``python docs/performance.py``.
 
-``--only PART`` (ratios, simd, threads, instructions, python; may be repeated) leaves the other parts alone. A part
+``--only PART`` (ratios, simd, threads, cost, instructions, python; may be repeated) leaves the other parts alone. A part
 stands between ``<!-- measured: name -->`` and ``<!-- end: name -->``. Wants a quiet machine, LAMMPS and valgrind.
 """
 
@@ -18,6 +18,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 from callgrind import instructions
+from cost import cost
 
 from pydlpoly import Simulation, reporters
 from pydlpoly.bench.measure import Options, measure
@@ -75,6 +76,11 @@ def threads() -> str:
     """Two threads against one."""
     report = _measured(["water-3k", "water-24k", "water-192k", "lj"], Options(threads=(1, 2)))
     return _where(report) + _comparisons([report])
+
+
+def costs() -> str:
+    """A bead and step against size, density, cutoffs and species."""
+    return _where(_measured(["water-3k"], Options(steps=1, repetitions=1))) + cost()
 
 
 def counted() -> str:
@@ -215,6 +221,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "ratios": ratios,
     "simd": simd,
     "threads": threads,
+    "cost": costs,
     "instructions": counted,
     "python": python,
 }

@@ -42,11 +42,11 @@ Particles make_particles(Array3N position, Array3N velocity, std::vector<double>
     particles.image = Image3N::Zero(particles.position.rows(), 3);
     particles.mass = std::move(mass);
     particles.species = std::move(species);
+    particles.frozen.reserve(beads);
     for (std::size_t i = 0; i < beads; ++i) {
         require(frozen[i] || (particles.mass[i] > 0.0 && std::isfinite(particles.mass[i])),
                 "every bead that can move needs a mass larger than 0");
         require(particles.species[i] >= 0 && particles.species[i] < species_count, "a species index is out of range");
-        particles.inverse_mass.push_back(frozen[i] ? 0.0 : 1.0 / particles.mass[i]);
         particles.frozen.push_back(frozen[i] ? 1 : 0);
         if (frozen[i]) {
             particles.velocity.row(static_cast<Eigen::Index>(i)).setZero();

@@ -14,11 +14,16 @@ struct Particles {
     Array3N force;     // Da Å/ps²
     Image3N image;     // cells crossed since the start
     std::vector<double> mass;
-    std::vector<double> inverse_mass;  // 0 for frozen beads: they never move
     std::vector<std::int32_t> species;
     std::vector<std::uint8_t> frozen;
 
     [[nodiscard]] Eigen::Index count() const noexcept { return position.rows(); }
+
+    // 0 for frozen beads: they never move.
+    [[nodiscard]] double inverse_mass(Eigen::Index bead) const noexcept {
+        const auto i = static_cast<std::size_t>(bead);
+        return frozen[i] != 0 ? 0.0 : 1.0 / mass[i];
+    }
 };
 
 }  // namespace dlpoly

@@ -56,7 +56,7 @@ struct PassArguments {
     std::int32_t* images;                     // 3 a bead, by id
 
     std::uint32_t word_key[3];  // of the next step's random words
-    std::int32_t* cell_of;      // out: cell of each advanced bead
+    std::int32_t* cell_of;      // out: cell of each advanced bead, where the record has no room for it
     std::int32_t* histogram;    // in/out: beads in each cell
 
     std::int64_t* bonded;  // impulses of bonded terms, 3 a bead by id below bonded_end, used up; or nullptr

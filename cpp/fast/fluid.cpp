@@ -115,7 +115,7 @@ class FluidOf final : public Fluid {
           shadow_x_(beads_ + padding),
           shadow_y_(beads_ + padding),
           shadow_z_(beads_ + padding),
-          cell_of_(beads_),
+          cell_of_(std::is_same_v<Record, MixedRecord> ? beads_ : 0),
           row_start_(static_cast<std::size_t>(grid_.cells()) + 1),
           table_(table),
           timestep_(settings.timestep),
@@ -305,7 +305,7 @@ void FluidOf<Record>::take(State& state, const StepSettings& settings, bool with
         }
         bead.word = bead_word(static_cast<std::uint32_t>(i), step.word_key);
         const std::int32_t cell = plain::cell_of(step, bead);
-        cell_of_.data()[i] = cell;
+        plain::keep_cell(step, static_cast<std::int32_t>(i), cell);
         ++histograms_.front()[static_cast<std::size_t>(cell)];
     }
     if (step.overflow != 0) {
@@ -417,7 +417,7 @@ void FluidOf<Record>::sort_part(std::size_t part) {
     const Record* from = advanced_.data();
     Record* to = sorted_.data();
     for (std::int32_t i = part_[part]; i < part_[part + 1]; ++i) {
-        const std::int32_t place = next[cell_of_.data()[i]]++;
+        const std::int32_t place = next[plain::kept_cell(cell_of_.data(), from, i)]++;
         to[place] = from[i];
         cast_shadow(from[i], place);
         if (bonded_ != nullptr) {

@@ -241,12 +241,11 @@ DLPOLY_INLINE void finish_beads(PassArguments<Record>& a, typename Lanes::Advanc
     } else {
         const Record* const sorted = a.sorted;
         Record* const advanced = a.advanced;
-        int32_t* const cells = a.cell_of;
         int32_t* const histogram = a.histogram;
         for (int32_t i = begin; i < end; ++i) {
             work.tag[i - begin] = sorted[i].tag & id_mask;
             const int32_t cell = advance(sorted[i], work.impulse + 4 * (i - begin), advanced[i]);
-            cells[i] = cell;
+            keep_cell(a, i, cell);
             ++histogram[cell];
         }
         Lanes::bead_words(work.tag, work.word, end - begin, a.word_key);

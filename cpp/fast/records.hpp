@@ -37,7 +37,8 @@ struct alignas(64) DoubleRecord {
     std::uint32_t word;
     std::uint32_t tag;
     std::int64_t px, py, pz;
-    std::int64_t unused;
+    std::int32_t cell;  // after a step, until the records are sorted again
+    std::uint32_t unused;
 };
 
 static_assert(sizeof(MixedRecord) == 32 && sizeof(DoubleRecord) == 64);

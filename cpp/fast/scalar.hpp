@@ -63,4 +63,10 @@ inline int32_t cell_of(const PassArguments<Record>& a, const Record& bead) {
     return a.row_rank[row] * a.cells_x + cell_index(bead.x, a.cells_x);
 }
 
+// The cell of an advanced bead is kept until the beads are sorted: in the record where it has room, else beside it.
+inline void keep_cell(const PassArguments<DoubleRecord>& a, int32_t i, int32_t cell) { a.advanced[i].cell = cell; }
+inline void keep_cell(const PassArguments<MixedRecord>& a, int32_t i, int32_t cell) { a.cell_of[i] = cell; }
+inline int32_t kept_cell(const int32_t*, const DoubleRecord* advanced, int32_t i) { return advanced[i].cell; }
+inline int32_t kept_cell(const int32_t* cell_of, const MixedRecord*, int32_t i) { return cell_of[i]; }
+
 }  // namespace dlpoly::fast::DLPOLY_SIMD

@@ -11,7 +11,7 @@ namespace dlpoly {
 void draw_velocities(State& state, const StepSettings& settings, Stream stream, bool zero_momentum) {
     Particles& particles = state.particles;
     for (Eigen::Index i = 0; i < particles.count(); ++i) {
-        const double inverse_mass = particles.inverse_mass[static_cast<std::size_t>(i)];
+        const double inverse_mass = particles.inverse_mass(i);
         const double width = std::sqrt(settings.thermal_energy * inverse_mass);
         const auto id = static_cast<std::uint32_t>(i);
         const auto xy = gaussian_pair(draw(settings.seed, stream, state.step, id, 0));

@@ -19,8 +19,7 @@ void kick(Particles& particles, double time) {
 #pragma omp parallel for schedule(static)
 #endif
     for (Eigen::Index i = 0; i < beads; ++i) {
-        particles.velocity.row(i) +=
-            time * particles.inverse_mass[static_cast<std::size_t>(i)] * particles.force.row(i);
+        particles.velocity.row(i) += time * particles.inverse_mass(i) * particles.force.row(i);
     }
 }
 
@@ -77,8 +76,7 @@ void VelocityVerlet::step(State& state, Forces& forces, const StepSettings& sett
         predicted_ = particles.velocity;
         const Eigen::Index beads = particles.count();
         for (Eigen::Index i = 0; i < beads; ++i) {
-            predicted_.row(i) += settings.prediction * timestep * particles.inverse_mass[static_cast<std::size_t>(i)] *
-                                 particles.force.row(i);
+            predicted_.row(i) += settings.prediction * timestep * particles.inverse_mass(i) * particles.force.row(i);
         }
     }
     kick(particles, 0.5 * timestep);
