@@ -77,6 +77,10 @@ def coincident(positions: FloatArray) -> FloatArray:
     return positions
 
 
+def squeezed(positions: FloatArray) -> FloatArray:
+    return positions * np.array([0.5, 1.0, 1.0])
+
+
 SCENES: dict[str, Callable[[], Scene]] = {
     "cubic": lambda: fluid(),
     "cubic, cells wider than the cutoff": lambda: fluid(cell=(4.9, 4.9, 4.9)),
@@ -84,7 +88,8 @@ SCENES: dict[str, Callable[[], Scene]] = {
     "edges 4 : 7.9 : 16.3": lambda: fluid(cell=(4.0, 7.9, 16.3)),
     "density 1": lambda: fluid(1.0, (9.0, 8.0, 8.0)),
     "density 6": lambda: fluid(6.0),
-    "density 10": lambda: fluid(10.0, (4.0, 5.0, 6.0)),
+    "density 7, blocks of one cell": lambda: fluid(7.0, (5.0, 5.0, 6.0)),
+    "half the box empty, density 10 in the other": lambda: fluid(5.0, (8.0, 5.0, 6.0), place=squeezed),
     "three kinds": lambda: fluid(kinds=3),
     "three kinds, one frozen, not cubic": lambda: fluid(kinds=3, frozen=1, cell=(5.0, 7.5, 6.0)),
     "six kinds": lambda: fluid(kinds=6),
@@ -251,3 +256,9 @@ def test_unknown_instructions_are_named(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setenv("PYDLPOLY_SIMD", "avx3")
     with pytest.raises((PydlpolyError, ValueError), match=r"avx3.*expected plain, avx2 or avx512"):
         Simulation(fluid(1.0, (4.0, 4.0, 4.0)), seed=1)
+
+
+def test_dense_fluids_take_the_general_path() -> None:
+    """With more neighbours than its buffers hold on average, the fast path would go pair after pair."""
+    assert "fast" in Simulation(fluid(7.0, (5.0, 5.0, 6.0)), seed=1)._engine.system.plan()
+    assert "too many neighbours" in Simulation(fluid(9.0, (5.0, 5.0, 6.0)), seed=1)._engine.system.plan()

@@ -98,8 +98,12 @@ System make_system(const Matrix3& cell, std::array<bool, 3> periodic, Array3N po
     require(settings.timestep > 0.0 && std::isfinite(settings.timestep), "the timestep must be larger than 0");
     require(settings.thermal_energy >= 0.0, "the thermal energy must not be negative");
     PairTable table = pairs.take();
-    State state{Box(cell, periodic), make_particles(std::move(positions), std::move(velocities), std::move(mass),
-                                                    std::move(species), std::move(frozen), table.species())};
+    State state{Box(cell, periodic),
+                make_particles(std::move(positions), std::move(velocities), std::move(mass), std::move(species),
+                               std::move(frozen), table.species()),
+                0,
+                0.0,
+                {}};
     for (Eigen::Index i = 0; i < state.particles.count(); ++i) {
         Vector3 position = state.particles.position.row(i).transpose();
         require(state.box.wrap(position, state.particles.image.row(i).data()),
@@ -138,6 +142,31 @@ void bind_system(py::module_& m) {
         .value("double_precision", Precision::double_precision)
         .value("mixed", Precision::mixed);
 
+    py::enum_<Order>(m, "Order", "The integrators; see cpp/integrate.")
+        .value("velocity_verlet", Order::velocity_verlet)
+        .value("dpdvv", Order::dpdvv)
+        .value("scvv", Order::scvv)
+        .value("zeroth", Order::zeroth)
+        .value("first", Order::first)
+        .value("second", Order::second)
+        .value("peters", Order::peters)
+        .value("peters_first", Order::peters_first)
+        .value("lowe_andersen", Order::lowe_andersen)
+        .value("stoyanov_groot", Order::stoyanov_groot)
+        .value("ou", Order::ou)
+        .value("ou_middle", Order::ou_middle)
+        .value("middle", Order::middle)
+        .value("nose_hoover_langevin", Order::nose_hoover_langevin);
+
+    py::class_<TemperatureSchedule>(m, "TemperatureSchedule", "k_B T against time; see step_settings.hpp.")
+        .def(py::init<>())
+        .def_readwrite("times", &TemperatureSchedule::times)
+        .def_readwrite("energies", &TemperatureSchedule::energies)
+        .def_readwrite("amplitude", &TemperatureSchedule::amplitude)
+        .def_readwrite("period", &TemperatureSchedule::period)
+        .def_readwrite("phase", &TemperatureSchedule::phase)
+        .def("at", &TemperatureSchedule::at, py::arg("time"), py::arg("thermal_energy"));
+
     py::class_<StepSettings>(m, "StepSettings", "How a step is taken; see cpp/integrate/step_settings.hpp.")
         .def(py::init<>())
         .def_readwrite("precision", &StepSettings::precision)
@@ -145,6 +174,16 @@ void bind_system(py::module_& m) {
         .def_readwrite("thermal_energy", &StepSettings::thermal_energy)
         .def_readwrite("weight_exponent", &StepSettings::weight_exponent)
         .def_readwrite("prediction", &StepSettings::prediction)
+        .def_readwrite("order", &StepSettings::order)
+        .def_readwrite("schedule", &StepSettings::schedule)
+        .def_readwrite("transverse_drag", &StepSettings::transverse_drag)
+        .def_readwrite("collision_rate", &StepSettings::collision_rate)
+        .def_readwrite("thermostat_coupling", &StepSettings::thermostat_coupling)
+        .def_readwrite("thermostat_mass", &StepSettings::thermostat_mass)
+        .def_readwrite("thermostat_friction", &StepSettings::thermostat_friction)
+        .def_readwrite("tolerance", &StepSettings::tolerance)
+        .def_readwrite("passes", &StepSettings::passes)
+        .def_readwrite("thermostat_every", &StepSettings::thermostat_every)
         .def_readwrite("drag", &StepSettings::drag)
         .def_readwrite("remove_drift", &StepSettings::remove_drift)
         .def_readwrite("seed", &StepSettings::seed)
@@ -202,6 +241,10 @@ void bind_system(py::module_& m) {
         .def_property(
             "step", [](const System& s) { return s.state.step; },
             [](System& s, std::uint64_t step) { s.state.step = step; })
+        .def_property(
+            "thermostat", [](const System& s) { return s.state.thermostat; },
+            [](System& s, std::vector<double> values) { s.state.thermostat = std::move(values); },
+            "Variables that a thermostat keeps from step to step.")
         .def_property(
             "time", [](const System& s) { return s.state.time; }, [](System& s, double time) { s.state.time = time; })
         .def_property(

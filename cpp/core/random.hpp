@@ -68,8 +68,9 @@ inline double pair_noise(std::uint64_t seed, std::uint64_t step, std::uint32_t i
 }
 
 // The key under which bead_word makes the words of a step.
-inline std::array<std::uint32_t, 3> bead_word_key(std::uint64_t seed, std::uint64_t step) noexcept {
-    const Words words = draw(seed, Stream::bead_words, step & ~std::uint64_t{0xFFFFFFFFU}, 0, 0);
+inline std::array<std::uint32_t, 3> bead_word_key(std::uint64_t seed, std::uint64_t step,
+                                                  Stream stream = Stream::bead_words) noexcept {
+    const Words words = draw(seed, stream, step & ~std::uint64_t{0xFFFFFFFFU}, 0, 0);
     return {words[0], words[1], words[2] ^ static_cast<std::uint32_t>(step)};
 }
 

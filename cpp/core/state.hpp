@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "core/box.hpp"
 #include "core/particles.hpp"
@@ -12,7 +13,8 @@ struct State {
     Box box;
     Particles particles;
     std::uint64_t step = 0;
-    double time = 0.0;  // ps
+    double time = 0.0;               // ps
+    std::vector<double> thermostat;  // variables that a thermostat or barostat keeps from step to step
 };
 
 }  // namespace dlpoly

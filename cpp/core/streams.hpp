@@ -10,6 +10,10 @@ enum class Stream : std::uint8_t {
     start_velocities = 2,  // Maxwell velocities of a clean start
     regauss = 3,           // Maxwell velocities redrawn during equilibration
     bead_words = 4,        // keys of the beads' random words, from which pair noise is mixed
+    sweep_words = 5,       // the same for sweeps over pairs; a step's second sweep has the next number
+    second_sweep = 6,
+    sweep_choice = 7,  // which pairs a sweep thermalises (Philox for every pair)
+    thermostat = 8,    // noise of thermostats that have variables of their own
 };
 
 }  // namespace dlpoly

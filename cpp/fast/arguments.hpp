@@ -44,6 +44,7 @@ struct PassArguments {
     const std::int32_t* row_rank;   // place of row (z · rows_y + y) in memory
     const std::int32_t* row_at;     // row at each place
     std::int32_t cells_x, rows_y, rows_z;
+    std::int32_t cells_a_block;      // cells along a row whose beads share their candidates
     const std::uint8_t* distance_x;  // 128 entries each: squared shadow distance, rounded down, clipped at 255
     const std::uint8_t* distance_y;
     const std::uint8_t* distance_z;
@@ -68,6 +69,8 @@ struct PassArguments {
 };
 
 inline constexpr int padding = 256;
+inline constexpr int most_candidates = 256;  // of a block; more: the block takes the direct way
+inline constexpr int most_accepted = 64;     // of a bead; more: the bead takes the direct way
 inline constexpr std::size_t workspace_bytes = 192 * 1024;
 
 // What distinguishes the loops that are compiled apart.

@@ -99,6 +99,10 @@ double spacing(const State& state) {
     return std::cbrt(2.5 * state.box.volume() / static_cast<double>(state.particles.count()));
 }
 
+// Mean number of candidates of a block of cells. Up to the usual number, blocks beyond the buffers are rare in a fluid.
+double candidates_of_block(double cells, double beads_a_cell) { return 9.0 * (cells + 2.0) * beads_a_cell; }
+constexpr double usual_candidates = 0.85 * most_candidates;
+
 template <class Record>
 class FluidOf final : public Fluid {
   public:
@@ -110,6 +114,8 @@ class FluidOf final : public Fluid {
           grid_(make_grid(edges_, table.range(), std::max({cell_width, table.range(), spacing(state)}),
                           static_cast<int>(8 * sizeof(Fixed)))),
           beads_(static_cast<std::size_t>(state.particles.count())),
+          cells_a_block_(candidates_of_block(2.0, static_cast<double>(beads_) / grid_.cells()) <= usual_candidates ? 2
+                                                                                                                   : 1),
           sorted_(beads_ + padding),
           advanced_(beads_ + padding),
           shadow_x_(beads_ + padding),
@@ -192,6 +198,7 @@ class FluidOf final : public Fluid {
     Vector3 edges_;
     Grid grid_;
     std::size_t beads_;
+    std::int32_t cells_a_block_;
     AlignedArray<Record> sorted_;
     AlignedArray<Record> advanced_;
     AlignedArray<std::uint8_t> shadow_x_;
@@ -365,6 +372,7 @@ PassArguments<Record> FluidOf<Record>::arguments(State& state) {
     a.cells_x = grid_.counts[0];
     a.rows_y = grid_.counts[1];
     a.rows_z = grid_.counts[2];
+    a.cells_a_block = cells_a_block_;
     a.distance_x = grid_.distance[0].data();
     a.distance_y = grid_.distance[1].data();
     a.distance_z = grid_.distance[2].data();
@@ -715,6 +723,12 @@ std::string refusal(const Box& box, const Particles& particles, const PairTable&
     if (cell.diagonal().maxCoeff() > longest * table.range()) {
         return "the box is too long for fixed-point positions";
     }
+    if (settings.order != Order::velocity_verlet) {
+        return "the integrator is neither nve nor mdvv";
+    }
+    if (settings.schedule.varies()) {
+        return "the temperature varies";
+    }
     if (settings.drag && (settings.weight_exponent != 2.0 || settings.prediction != 0.5)) {
         return "the weight exponent is not 2 or lambda is not 1/2";
     }
@@ -726,6 +740,15 @@ std::string refusal(const Box& box, const Particles& particles, const PairTable&
     }
     if (particles.count() >= static_cast<Eigen::Index>(id_mask)) {
         return "there are too many beads";
+    }
+    const double density = static_cast<double>(particles.count()) / box.volume();
+    double cell_volume = 1.0;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        cell_volume *= cell(axis, axis) / std::floor(cell(axis, axis) / table.range());
+    }
+    const double neighbours = 4.0 / 3.0 * pi * density * std::pow(table.range(), 3);
+    if (candidates_of_block(1.0, density * cell_volume) > usual_candidates || neighbours > 0.75 * most_accepted) {
+        return "beads have too many neighbours";
     }
     const Kinds kinds = find_kinds(particles, most_kinds);
     if (kinds.list.empty()) {

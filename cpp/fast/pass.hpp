@@ -4,11 +4,11 @@
 // Everything lives in the namespace DLPOLY_SIMD so that code compiled for one processor can never be linked into
 // another's path.
 //
-// A row of cells is handled in pieces of up to eight blocks of two cells, in phases that keep their buffers in the
-// first level cache: collect the shadows of all candidates of a block once; test them against each bead of the block;
-// evaluate the accepted pairs, as many at a time as a vector holds; add up and advance the beads. Every pair is met
-// from both of its beads ("full list"): that costs arithmetic, and saves scattered additions and all conflicts between
-// threads.
+// A row of cells is handled in pieces of up to eight blocks of one or two cells, in phases that keep their buffers in
+// the first level cache: collect the shadows of all candidates of a block once; test them against each bead of the
+// block; evaluate the accepted pairs, as many at a time as a vector holds; add up and advance the beads. Every pair is
+// met from both of its beads ("full list"): that costs arithmetic, and saves scattered additions and all conflicts
+// between threads.
 #pragma once
 
 #include <stdint.h>
@@ -18,11 +18,8 @@
 
 namespace dlpoly::fast::DLPOLY_SIMD {
 
-inline constexpr int cells_a_block = 2;
 inline constexpr int blocks_a_piece = 8;
-inline constexpr int most_candidates = 256;                     // more: the block takes the direct way
 inline constexpr int candidate_stride = most_candidates + 128;  // room for whole vectors past the end
-inline constexpr int most_accepted = 64;                        // more: the bead takes the direct way
 inline constexpr int accepted_stride = 96;
 inline constexpr int most_beads = 512;  // of a piece
 
@@ -303,8 +300,8 @@ void plain_pass(PassArguments<Record>& a, int32_t first_place, int32_t last_plac
         int32_t rows[9];
         neighbour_rows(a, place, rows);
         double* observed = observe ? a.observed + static_cast<int64_t>(place) * observed_numbers : nullptr;
-        for (int32_t first = 0; first < a.cells_x; first += cells_a_block) {
-            const int32_t last = first + cells_a_block < a.cells_x ? first + cells_a_block : a.cells_x;
+        for (int32_t first = 0; first < a.cells_x; first += a.cells_a_block) {
+            const int32_t last = first + a.cells_a_block < a.cells_x ? first + a.cells_a_block : a.cells_x;
             direct_block<PlainLanes<Record>, one_kind, drag, observe, last_step>(a, advance, work, rows, first, last,
                                                                                  observed);
         }

@@ -215,7 +215,7 @@ void vector_pass(PassArguments<Record>& a, int32_t first_place, int32_t last_pla
             int32_t cell = first;
             block_first[0] = first;
             while (blocks < blocks_a_piece && cell < a.cells_x) {
-                const int32_t next = cell + cells_a_block < a.cells_x ? cell + cells_a_block : a.cells_x;
+                const int32_t next = cell + a.cells_a_block < a.cells_x ? cell + a.cells_a_block : a.cells_x;
                 if (start[next] - begin > most_beads) {
                     break;
                 }
@@ -225,7 +225,7 @@ void vector_pass(PassArguments<Record>& a, int32_t first_place, int32_t last_pla
                 cell = next;
             }
             if (blocks == 0) {
-                const int32_t next = cell + cells_a_block < a.cells_x ? cell + cells_a_block : a.cells_x;
+                const int32_t next = cell + a.cells_a_block < a.cells_x ? cell + a.cells_a_block : a.cells_x;
                 direct_block<Lanes, one_kind, drag, observe, last_step>(a, advance, work, rows, cell, next, observed);
                 first = next;
                 continue;

@@ -29,6 +29,9 @@ class Forces {
     void compute(const Box& box, Particles& particles, const Array3N& velocity, const ForceRequest& request,
                  PairTotals& totals) {
         pairs_.compute(box, particles, velocity, request, totals);
+        if (!request.conservative) {
+            return;
+        }
         if (bonded_) {
             bonded_->add_to(box, particles, pairs_.table(), request.step, request.observe ? &bonded_totals_ : nullptr);
             if (request.observe) {

@@ -47,7 +47,7 @@ void PairForces::compute(const Box& box, Particles& particles, const Array3N& ve
     }
     PairWalk walk;
     walk.request = request;
-    walk.motion = request.drag && table_.has_drag();
+    walk.motion = (request.drag || request.noise) && table_.has_drag();
     walk.threads = useful_threads(particles.count());
     update_list(box, particles, walk.threads);
     if (walk.motion) {
@@ -223,7 +223,7 @@ void PairForces::finish_batch(const PairWalk& walk, PairWorker& worker) {
     }
     BatchResult& result = worker.result;
     const std::size_t whole = (batch.size + batch_lanes - 1) / batch_lanes * batch_lanes;
-    if (const PairKernel* kernel = table_.kernel(batch.term)) {
+    if (const PairKernel* kernel = walk.request.conservative ? table_.kernel(batch.term) : nullptr) {
         kernel->evaluate(batch, result);
     } else {
         std::fill_n(result.energy.values, whole, 0.0);
@@ -259,7 +259,9 @@ void PairForces::finish_batch(const PairWalk& walk, PairWorker& worker) {
 
 // Drag and noise of a batch: −γ w^D (e·v_ij) e and σ w^R ζ/√Δt e with w^R = √w^D, Español and Warren (1995).
 void PairForces::evaluate_motion(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const {
-    const PairDrag& pair = table_.drags()[batch.term];
+    PairDrag pair = table_.drags()[batch.term];
+    pair.drag = request.drag ? pair.drag : 0.0;
+    pair.noise = request.noise ? pair.noise * request.noise_factor : 0.0;
     const std::vector<std::uint32_t>& order = list_.order();
     const auto* codes = list_.image_codes().empty() ? nullptr : list_.image_codes().data();
     if (request.weight_exponent == 2.0 && !request.gaussian_noise) {

@@ -39,6 +39,7 @@ class PairForces {
         list_.forget();
     }
     [[nodiscard]] bool has_exclusions() const noexcept { return !exclusions_.empty(); }
+    [[nodiscard]] const Exclusions& exclusions() const noexcept { return exclusions_; }
 
     // Writes the pair force on every bead to particles.force (frozen beads: zero). Drag uses `velocity`.
     // Throws RunFailure when a pair's force is not finite, naming both beads.

@@ -10,8 +10,9 @@ static constexpr double grid_reach = 0x1p51;  // largest_term of exact_sum.hpp
 // Added to a number below 2^51 it leaves the number, rounded half to even, in the low bits.
 static constexpr double rounding_offset = 0x1.8p52;
 
-static inline int64_t to_grid(double value) {
-    return __builtin_bit_cast(int64_t, value + rounding_offset) - __builtin_bit_cast(int64_t, rounding_offset);
+// Unsigned, so that numbers beyond the grid, which the caller finds and drops, may wrap.
+static inline uint64_t to_grid(double value) {
+    return __builtin_bit_cast(uint64_t, value + rounding_offset) - __builtin_bit_cast(uint64_t, rounding_offset);
 }
 
 static inline size_t whole_lanes(size_t count) { return (count + batch_lanes - 1) / batch_lanes * batch_lanes; }
@@ -203,7 +204,8 @@ static inline bool round_forces(const PairBatch& batch, BatchResult& result, dou
         const bool fits =
             (__builtin_fabs(x) < grid_reach) & (__builtin_fabs(y) < grid_reach) & (__builtin_fabs(z) < grid_reach);
         beyond |= fits ? 0 : 1;
-        result.force.values[k] = {to_grid(x), to_grid(y), to_grid(z), 0};
+        result.force.values[k] = {static_cast<int64_t>(to_grid(x)), static_cast<int64_t>(to_grid(y)),
+                                  static_cast<int64_t>(to_grid(z)), 0};
     }
     return beyond == 0;
 }
@@ -230,12 +232,12 @@ static inline bool round_forces(const PairBatch& batch, BatchResult& result, dou
 // Sums the rounded virial of one part along one pair of axes.
 static inline int64_t sum_virial(const double* __restrict factor, const double* __restrict a,
                                  const double* __restrict b, size_t count, double scale) {
-    int64_t sum = 0;
+    uint64_t sum = 0;
     for (size_t k = 0; k < count; ++k) {
         const double product = a[k] * b[k] * scale;
         sum += to_grid(factor[k] * product);
     }
-    return sum;
+    return static_cast<int64_t>(sum);
 }
 
 static inline bool fits_grid(const double* __restrict factor, const double* __restrict squared, size_t count,
@@ -254,11 +256,13 @@ static inline bool fits_grid(const double* __restrict factor, const double* __re
     const double* d[3] = {batch.dx.values, batch.dy.values, batch.dz.values};
     sums = ObservedSums{};
     int64_t beyond = 0;
+    uint64_t total = 0;
     for (size_t k = 0; k < batch.size; ++k) {
         const double energy = result.energy.values[k] * scale;
         beyond |= __builtin_fabs(energy) < grid_reach ? 0 : 1;
-        sums.energy += to_grid(energy);
+        total += to_grid(energy);
     }
+    sums.energy = static_cast<int64_t>(total);
     bool fits = beyond == 0;
     for (size_t part = 0; part < (motion ? 3U : 1U); ++part) {
         fits = fits && fits_grid(parts[part], batch.distance_squared.values, batch.size, scale);

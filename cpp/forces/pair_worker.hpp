@@ -12,9 +12,12 @@ namespace dlpoly {
 // What one force evaluation is asked for.
 struct ForceRequest {
     bool observe = false;  // also energies and stress
-    bool drag = false;     // also drag and noise, from the velocities given and this step's noise
+    bool conservative = true;
+    bool drag = false;   // also drag, from the velocities given
+    bool noise = false;  // also this step's noise
     double weight_exponent = 2.0;
     double inverse_root_timestep = 0.0;  // 1/√Δt
+    double noise_factor = 1.0;           // √(T/T₀) where the temperature varies; the table's σ belongs to T₀
     bool gaussian_noise = false;         // one Philox4x32-10 a pair instead of the mix of two beads' words
     std::uint64_t seed = 0;
     std::uint64_t step = 0;

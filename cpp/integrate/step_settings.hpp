@@ -1,9 +1,59 @@
 // What every integrator is told about a step.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <numbers>
+#include <vector>
 
 namespace dlpoly {
+
+// How a step is taken. The names are those of ensemble_dpd_order.
+enum class Order {
+    velocity_verlet,  // nve, and mdvv where there is drag
+    dpdvv,
+    scvv,
+    zeroth,
+    first,
+    second,
+    peters,
+    peters_first,
+    lowe_andersen,
+    stoyanov_groot,
+    ou,
+    ou_middle,
+    middle,
+    nose_hoover_langevin,
+};
+
+// A temperature that changes with time: straight lines between points, constant before and after them, or a sine.
+struct TemperatureSchedule {
+    std::vector<double> times;     // ps, ascending
+    std::vector<double> energies;  // k_B T at those times
+    double amplitude = 0.0;        // of the sine, in k_B T; added to the settings' thermal_energy
+    double period = 0.0;           // ps
+    double phase = 0.0;            // radians at time 0
+
+    [[nodiscard]] bool varies() const noexcept { return !times.empty() || amplitude != 0.0; }
+
+    [[nodiscard]] double at(double time, double thermal_energy) const noexcept {
+        if (amplitude != 0.0) {
+            return thermal_energy + amplitude * std::sin(2.0 * std::numbers::pi * time / period + phase);
+        }
+        if (times.empty()) {
+            return thermal_energy;
+        }
+        std::size_t k = 0;
+        while (k < times.size() && times[k] <= time) {
+            ++k;
+        }
+        if (k == 0 || k == times.size()) {
+            return k == 0 ? energies.front() : energies.back();
+        }
+        const double part = (time - times[k - 1]) / (times[k] - times[k - 1]);
+        return energies[k - 1] + part * (energies[k] - energies[k - 1]);
+    }
+};
 
 // How pairs are computed. All three conserve momentum to the bit of their sums.
 enum class Precision {
@@ -18,8 +68,18 @@ struct StepSettings {
     double thermal_energy = 0.0;   // k_B T, internal energy
     double weight_exponent = 2.0;  // s of w^D = (1 − r/r_c)^s
     double prediction = 0.5;       // Groot–Warren's λ
-    bool drag = false;             // pair thermostat on
-    bool remove_drift = false;     // take the centre-of-mass velocity out in every step
+    Order order = Order::velocity_verlet;
+    TemperatureSchedule schedule;      // of thermal_energy
+    double transverse_drag = 0.0;      // γ⊥/γ of sweeps
+    double collision_rate = 0.0;       // Γ of thermostats that choose pairs, 1/ps; 0 = from the drags
+    double thermostat_coupling = 0.0;  // Stoyanov and Groot's α, Da/ps
+    double thermostat_mass = 0.0;      // of Nosé and Hoover's variable, energy · ps² / …; see its integrator
+    double thermostat_friction = 0.0;  // of the same variable, 1/ps
+    double tolerance = 1e-6;           // of the self-consistent iteration: relative change of the kinetic energy
+    int passes = 2;                    // pair passes of the simultaneous middle step
+    int thermostat_every = 1;          // steps between two thermostat steps of the middle schemes
+    bool drag = false;                 // pair thermostat on
+    bool remove_drift = false;         // take the centre-of-mass velocity out in every step
     std::uint64_t seed = 0;
     std::int64_t degrees_of_freedom = 0;
     double force_cap = 0.0;                 // largest force on a bead while equilibrating, 0 = none

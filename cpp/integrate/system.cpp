@@ -9,7 +9,10 @@
 namespace dlpoly {
 
 System::System(State initial, Forces all_forces, StepSettings step_settings)
-    : state(std::move(initial)), forces(std::move(all_forces)), settings(step_settings) {}
+    : state(std::move(initial)),
+      forces(std::move(all_forces)),
+      settings(step_settings),
+      integrator_(make_integrator(settings)) {}
 
 void System::set_cell_width(double width) {
     cell_width_ = width;
@@ -53,7 +56,7 @@ void System::initialise() {
     if (fluid_) {
         fluid_->start(state, settings, totals);
     } else {
-        integrator_.start(state, forces, settings, true, totals);
+        integrator_->start(state, forces, settings, true, totals);
     }
     ready = true;
 }
@@ -76,7 +79,7 @@ void System::run(std::uint64_t steps) {
             fluid_->run(state, settings, stride, totals);
             equilibrate(state, settings);
         } else {
-            integrator_.step(state, forces, settings, steps == 1, totals);
+            integrator_->step(state, forces, settings, steps == 1, totals);
         }
         steps -= stride;
         if (distances && distances_every > 0 && state.step > distances_after && state.step % distances_every == 0) {

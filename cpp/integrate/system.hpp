@@ -8,8 +8,8 @@
 #include "core/state.hpp"
 #include "fast/fluid.hpp"
 #include "forces/forces.hpp"
+#include "integrate/integrator.hpp"
 #include "integrate/step_settings.hpp"
-#include "integrate/velocity_verlet.hpp"
 #include "observe/pair_distances.hpp"
 
 namespace dlpoly {
@@ -49,7 +49,7 @@ class System {
     void choose_path();
     double cell_width_ = 0.0;
 
-    VelocityVerlet integrator_;
+    std::unique_ptr<Integrator> integrator_;
     bool path_chosen_ = false;
     std::string refusal_;
     std::unique_ptr<fast::Fluid> fluid_;  // nullptr: the general path

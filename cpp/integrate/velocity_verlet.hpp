@@ -3,24 +3,16 @@
 // the half-step velocity, which is what DL_POLY calls mdvv.
 #pragma once
 
-#include "core/state.hpp"
-#include "forces/forces.hpp"
-#include "integrate/step_settings.hpp"
+#include "integrate/integrator.hpp"
 
 namespace dlpoly {
 
-class VelocityVerlet {
+class VelocityVerlet final : public Integrator {
   public:
-    // Forces for the present positions and velocities, before the first step.
-    void start(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals);
-
-    // One step. Throws RunFailure naming the bead when a position stops being finite.
-    void step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals);
+    void start(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) override;
+    void step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) override;
 
   private:
-    void evaluate(State& state, Forces& forces, const StepSettings& settings, const Array3N& velocity, bool observe,
-                  PairTotals& totals);
-
     Array3N predicted_;
 };
 

@@ -1,0 +1,35 @@
+// The moves that integrators are made of.
+#pragma once
+
+#include "core/state.hpp"
+#include "forces/forces.hpp"
+#include "integrate/step_settings.hpp"
+
+namespace dlpoly {
+
+// v += time · F/m.
+void kick(Particles& particles, double time);
+
+// r += time · v, wrapped into the cell. Throws RunFailure naming a bead whose position is not finite.
+void drift(State& state, double time);
+
+// What a force evaluation of the present step is asked for; drag and noise as the settings have them.
+ForceRequest request_of(const State& state, const StepSettings& settings, bool observe);
+
+// The same without drag and noise.
+ForceRequest conservative_request(const State& state, const StepSettings& settings, bool observe);
+
+// Computes forces; caps them while the settings say so.
+void compute_forces(State& state, Forces& forces, const StepSettings& settings, const ForceRequest& request,
+                    const Array3N& velocity, PairTotals& totals);
+
+// Counts the step.
+void advance_clock(State& state, const StepSettings& settings);
+
+// What is done to velocities once a step is complete: removal of drift, rescaling, redrawing.
+void finish_step(State& state, const StepSettings& settings);
+
+// k_B T at the present time.
+double thermal_energy_now(const State& state, const StepSettings& settings);
+
+}  // namespace dlpoly

@@ -1,0 +1,382 @@
+// Sweeps over pairs (see pair_sweep.hpp).
+#include "sweep/pair_sweep.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/normal.hpp"
+#include "core/threads.hpp"
+#include "sweep/common_drag.hpp"
+#include "sweep/implicit_euler.hpp"
+#include "sweep/lowe_andersen.hpp"
+#include "sweep/ornstein_uhlenbeck.hpp"
+#include "sweep/peters_first.hpp"
+#include "sweep/shardlow.hpp"
+#include "sweep/stoyanov_groot.hpp"
+
+namespace dlpoly {
+
+using sweep::PairDraw;
+using sweep::PairSituation;
+
+namespace {
+
+constexpr std::int64_t beads_per_thread = 500;
+
+// Numbers that tell the random words of one pair apart; images take 0 … 215.
+constexpr std::uint32_t uniform_salt = 1000;
+constexpr std::uint32_t across_salt = 2000;
+
+std::uint8_t image_code(const std::array<std::int32_t, 3>& shift, int sign) {
+    std::int32_t code = 0;
+    for (const std::int32_t s : shift) {
+        code = code * 6 + ((sign * s) % 6 + 6) % 6;
+    }
+    return static_cast<std::uint8_t>(code);
+}
+
+}  // namespace
+
+PairSweep::PairSweep(const PairTable& table, const Exclusions& exclusions)
+    : table_(table), exclusions_(exclusions), phases_(&chosen_phases()) {
+    for (const PairDrag& drag : table.drags()) {
+        range_ = drag.drag > 0.0 ? std::max(range_, drag.cutoff) : range_;
+    }
+}
+
+int PairSweep::useful_threads(const Particles& particles) const {
+    return static_cast<int>(std::clamp<std::int64_t>(particles.count() / beads_per_thread, 1, thread_limit()));
+}
+
+void PairSweep::sort(const Box& box, const Particles& particles, const SweepSettings& settings,
+                     [[maybe_unused]] int threads) {
+    cells_.build(box, particles.position, range_);
+    const std::array<std::int32_t, 3> most = cells_.most_shifts();
+    stride_ = {1, 2 * most[0] + 1, std::int64_t{2 * most[0] + 1} * (2 * most[1] + 1)};
+    zero_ = static_cast<std::size_t>(most[0] + most[1] * stride_[1] + most[2] * stride_[2]);
+    shifts_.clear();
+    codes_.clear();
+    for (std::int32_t c = -most[2]; c <= most[2]; ++c) {
+        for (std::int32_t b = -most[1]; b <= most[1]; ++b) {
+            for (std::int32_t a = -most[0]; a <= most[0]; ++a) {
+                const Vector3 shift =
+                    (box.cell().row(0) * a + box.cell().row(1) * b + box.cell().row(2) * c).transpose();
+                shifts_.push_back({shift[0], shift[1], shift[2], 0.0});
+                if (cells_.has_several_images()) {
+                    codes_.push_back({image_code({a, b, c}, 1), image_code({a, b, c}, -1)});
+                }
+            }
+        }
+    }
+    const std::vector<std::uint32_t>& order = cells_.order();
+    const std::size_t beads = order.size();
+    for (auto* array : {&x_, &y_, &z_}) {
+        array->resize(beads + batch_lanes);
+    }
+    velocity_.resize(beads);
+    word_.resize(beads);
+    species_.resize(beads);
+    const auto key = bead_word_key(settings.seed, settings.step, settings.stream);
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static) num_threads(threads)
+#endif
+    for (std::size_t k = 0; k < beads; ++k) {
+        const auto id = static_cast<Eigen::Index>(order[k]);
+        x_[k] = particles.position(id, 0);
+        y_[k] = particles.position(id, 1);
+        z_[k] = particles.position(id, 2);
+        velocity_[k] = {particles.velocity(id, 0), particles.velocity(id, 1), particles.velocity(id, 2),
+                        particles.inverse_mass(id)};
+        word_[k] = bead_word(order[k], key.data());
+        species_[k] = particles.species[order[k]];
+    }
+}
+
+void PairSweep::find_pairs(std::int32_t row, Row& result) const {
+    result.i.clear();
+    result.j.clear();
+    result.image.clear();
+    result.term.clear();
+    result.dx.clear();
+    result.dy.clear();
+    result.dz.clear();
+    result.squared.clear();
+    const SearchArguments arguments{x_.data(), y_.data(), z_.data(), shifts_.data(), range_ * range_};
+    const std::vector<std::uint32_t>& order = cells_.order();
+    const std::int32_t length = cells_.row_length();
+    const bool any_excluded = !exclusions_.empty();
+    for (std::int32_t cell = row * length; cell < (row + 1) * length; ++cell) {
+        const std::uint32_t end = cells_.start(cell + 1);
+        if (cells_.start(cell) == end) {
+            continue;
+        }
+        result.ranges.clear();
+        result.ranges.push_back({cells_.start(cell), end, static_cast<std::uint32_t>(zero_)});
+        cells_.neighbours(cell, result.neighbours);
+        std::size_t candidates = batch_lanes + (end - cells_.start(cell));
+        for (const CellImage& other : result.neighbours) {
+            const std::uint32_t begin = cells_.start(other.cell);
+            const std::uint32_t stop = cells_.start(other.cell + 1);
+            if (begin < stop) {
+                const auto image =
+                    static_cast<std::uint32_t>(static_cast<std::int64_t>(zero_) + other.shift[0] +
+                                               other.shift[1] * stride_[1] + other.shift[2] * stride_[2]);
+                result.ranges.push_back({begin, stop, image});
+                candidates += stop - begin;
+            }
+        }
+        if (result.found.size() < candidates) {
+            result.found.resize(candidates);
+        }
+        for (std::uint32_t i = cells_.start(cell); i < end; ++i) {
+            result.ranges.front().begin = i + 1;
+            const ListEntry* last =
+                phases_->search(arguments, i, result.ranges.data(), result.ranges.size(), result.found.data());
+            for (const ListEntry* entry = result.found.data(); entry != last; ++entry) {
+                const std::uint32_t j = entry->bead;
+                // A bead and its own image have no relative velocity.
+                if (i == j || !(velocity_[i].inverse_mass + velocity_[j].inverse_mass > 0.0) ||
+                    (any_excluded && exclusions_.contains(order[i], order[j]))) {
+                    continue;
+                }
+                const std::uint32_t term = table_.term(species_[i], species_[j]);
+                const PairDrag& drag = table_.drags()[term];
+                const ShiftRecord& shift = shifts_[entry->image];
+                const double dx = (x_[i] - x_[j]) - shift.x;
+                const double dy = (y_[i] - y_[j]) - shift.y;
+                const double dz = (z_[i] - z_[j]) - shift.z;
+                const double squared = dx * dx + dy * dy + dz * dz;
+                // Coincident beads define no direction.
+                if (!(drag.drag > 0.0) || !(squared < drag.cutoff * drag.cutoff) || squared == 0.0) {
+                    continue;
+                }
+                result.i.push_back(i);
+                result.j.push_back(j);
+                result.image.push_back(codes_.empty() ? std::uint8_t{0}
+                                                      : codes_[entry->image][order[i] < order[j] ? 0 : 1]);
+                result.term.push_back(term);
+                result.dx.push_back(dx);
+                result.dy.push_back(dy);
+                result.dz.push_back(dz);
+                result.squared.push_back(squared);
+            }
+        }
+    }
+}
+
+PairSituation PairSweep::situation(const Row& row, std::size_t k, const SweepSettings& settings) const {
+    const PairDrag& drag = table_.drags()[row.term[k]];
+    const double closeness = 1.0 - std::sqrt(row.squared[k]) / drag.cutoff;
+    PairSituation pair;
+    pair.inverse_mass = velocity_[row.i[k]].inverse_mass + velocity_[row.j[k]].inverse_mass;
+    pair.drag = settings.rate > 0.0 ? 2.0 * settings.rate / pair.inverse_mass : drag.drag;
+    pair.weight =
+        settings.weight_exponent == 2.0 ? closeness * closeness : std::pow(closeness, settings.weight_exponent);
+    pair.duration = settings.duration;
+    pair.thermal_energy = settings.thermal_energy;
+    return pair;
+}
+
+PairDraw PairSweep::draw_of(const Row& row, std::size_t k, const SweepSettings& settings, bool uniform_wanted,
+                            double* across) const {
+    const NormalTable& normal = normal_table();
+    const std::uint32_t i = row.i[k];
+    const std::uint32_t j = row.j[k];
+    PairDraw result;
+    if (settings.strong_noise) {
+        const std::vector<std::uint32_t>& order = cells_.order();
+        const std::uint32_t low = std::min(order[i], order[j]);
+        const std::uint32_t high = std::max(order[i], order[j]);
+        const Words words = draw(settings.seed, settings.stream, settings.step, low, high, row.image[k]);
+        const auto two = gaussian_pair(words);
+        result.normal = two[0];
+        if (uniform_wanted || across != nullptr) {
+            const Words more = draw(settings.seed, Stream::sweep_choice, settings.step, low, high, row.image[k]);
+            if (across != nullptr) {
+                const auto others = gaussian_pair(more);
+                across[0] = two[1];
+                across[1] = others[0];
+                across[2] = others[1];
+            }
+            result.uniform = uniform(more[0], more[1]);
+        }
+        return result;
+    }
+    result.normal = normal(mix_words(word_[i], word_[j], row.image[k]));
+    if (uniform_wanted) {
+        const auto word = static_cast<std::uint32_t>(mix_words(word_[i], word_[j], uniform_salt + row.image[k]));
+        result.uniform = (static_cast<double>(word) + 0.5) * 0x1p-32;
+    }
+    if (across != nullptr) {
+        for (std::uint32_t axis = 0; axis < 3; ++axis) {
+            across[axis] = normal(mix_words(word_[i], word_[j], (axis + 1) * across_salt + row.image[k]));
+        }
+    }
+    return result;
+}
+
+template <class Map>
+void PairSweep::make_maps(Row& row, const Map& map, const SweepSettings& settings) const {
+    const std::size_t pairs = row.i.size();
+    row.map.resize(pairs);
+    row.across.resize(settings.transverse_drag > 0.0 ? 3 * pairs : 0);
+    for (std::size_t k = 0; k < pairs; ++k) {
+        double* across = row.across.empty() ? nullptr : &row.across[3 * k];
+        const PairDraw draw = draw_of(row, k, settings, Map::uniform, across);
+        row.map[k] = map(situation(row, k, settings), draw);
+    }
+}
+
+void PairSweep::use_pair(const Row& row, std::size_t k, const SweepSettings& settings, std::array<double, 6>* virial) {
+    Velocity& a = velocity_[row.i[k]];
+    Velocity& b = velocity_[row.j[k]];
+    const double inverse = 1.0 / std::sqrt(row.squared[k]);
+    const double ex = row.dx[k] * inverse, ey = row.dy[k] * inverse, ez = row.dz[k] * inverse;
+    const double u = ex * (a.x - b.x) + ey * (a.y - b.y) + ez * (a.z - b.z);
+    const double inverse_mass = a.inverse_mass + b.inverse_mass;
+    const double along = ((row.map[k].keep - 1.0) * u + row.map[k].add) / inverse_mass;
+    double px = along * ex, py = along * ey, pz = along * ez;
+    if (settings.transverse_drag > 0.0) {
+        // The exact solution of drag and noise across the axis; three numbers, of which the part along it is taken out.
+        PairSituation pair = situation(row, k, settings);
+        pair.drag *= settings.transverse_drag;
+        const double x = pair.relaxation();
+        const double lost = std::expm1(-x);
+        const double noise = std::sqrt(-std::expm1(-2.0 * x) * pair.thermal_energy * inverse_mass);
+        const double* n = &row.across[3 * k];
+        const double n_along = ex * n[0] + ey * n[1] + ez * n[2];
+        px += (lost * ((a.x - b.x) - u * ex) + noise * (n[0] - n_along * ex)) / inverse_mass;
+        py += (lost * ((a.y - b.y) - u * ey) + noise * (n[1] - n_along * ey)) / inverse_mass;
+        pz += (lost * ((a.z - b.z) - u * ez) + noise * (n[2] - n_along * ez)) / inverse_mass;
+    }
+    a.x += a.inverse_mass * px;
+    a.y += a.inverse_mass * py;
+    a.z += a.inverse_mass * pz;
+    b.x -= b.inverse_mass * px;
+    b.y -= b.inverse_mass * py;
+    b.z -= b.inverse_mass * pz;
+    if (virial != nullptr) {
+        const std::array<double, 6> product{px * row.dx[k], px * row.dy[k], px * row.dz[k],
+                                            py * row.dy[k], py * row.dz[k], pz * row.dz[k]};
+        for (std::size_t n = 0; n < 6; ++n) {
+            (*virial)[n] += product[n];
+        }
+    }
+}
+
+void PairSweep::use_maps(const Row& row, const SweepSettings& settings, std::array<double, 6>* virial) {
+    const std::size_t pairs = row.i.size();
+    if (settings.backward) {
+        for (std::size_t k = pairs; k-- > 0;) {
+            use_pair(row, k, settings, virial);
+        }
+    } else {
+        for (std::size_t k = 0; k < pairs; ++k) {
+            use_pair(row, k, settings, virial);
+        }
+    }
+}
+
+// Colour after colour; the rows of one colour in any order.
+void PairSweep::visit_rows(const Box&, const SweepSettings& settings, [[maybe_unused]] int threads,
+                           const std::function<void(Row&, std::int32_t)>& visit) {
+    rows_.resize(static_cast<std::size_t>(threads));
+    const auto& groups = cells_.row_groups();
+#ifdef _OPENMP
+#pragma omp parallel num_threads(threads)
+#endif
+    {
+        Row& row = rows_[static_cast<std::size_t>(thread_number())];
+        for (std::size_t g = 0; g < groups.size(); ++g) {
+            const std::vector<std::int32_t>& group = groups[settings.backward ? groups.size() - 1 - g : g];
+            const auto count = static_cast<std::int64_t>(group.size());
+#ifdef _OPENMP
+#pragma omp for schedule(dynamic, 1)
+#endif
+            for (std::int64_t k = 0; k < count; ++k) {
+                const std::int32_t place = group[static_cast<std::size_t>(k)];
+                find_pairs(place, row);
+                visit(row, place);
+            }
+        }
+    }
+}
+
+template <class Map>
+void PairSweep::apply(const Box& box, Particles& particles, const Map& map, const SweepSettings& settings) {
+    virial_.setZero();
+    if (!(range_ > 0.0) || particles.count() == 0) {
+        return;
+    }
+    const int threads = useful_threads(particles);
+    sort(box, particles, settings, threads);
+    const auto rows = static_cast<std::size_t>(cells_.cell_count() / cells_.row_length());
+    std::vector<std::array<double, 6>> virials(settings.observe ? rows : 0);
+    visit_rows(box, settings, threads, [&](Row& row, std::int32_t place) {
+        make_maps(row, map, settings);
+        use_maps(row, settings, settings.observe ? &virials[static_cast<std::size_t>(place)] : nullptr);
+    });
+    const std::vector<std::uint32_t>& order = cells_.order();
+    const std::size_t beads = order.size();
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static) num_threads(threads)
+#endif
+    for (std::size_t k = 0; k < beads; ++k) {
+        const auto id = static_cast<Eigen::Index>(order[k]);
+        particles.velocity(id, 0) = velocity_[k].x;
+        particles.velocity(id, 1) = velocity_[k].y;
+        particles.velocity(id, 2) = velocity_[k].z;
+    }
+    std::array<double, 6> sum{};
+    for (const std::array<double, 6>& one : virials) {
+        for (std::size_t n = 0; n < 6; ++n) {
+            sum[n] += one[n] / settings.duration;
+        }
+    }
+    virial_ << sum[0], sum[1], sum[2], sum[1], sum[3], sum[4], sum[2], sum[4], sum[5];
+}
+
+template void PairSweep::apply(const Box&, Particles&, const sweep::OrnsteinUhlenbeck&, const SweepSettings&);
+template void PairSweep::apply(const Box&, Particles&, const sweep::Shardlow&, const SweepSettings&);
+template void PairSweep::apply(const Box&, Particles&, const sweep::ImplicitEuler&, const SweepSettings&);
+template void PairSweep::apply(const Box&, Particles&, const sweep::PetersFirst&, const SweepSettings&);
+template void PairSweep::apply(const Box&, Particles&, const sweep::LoweAndersen&, const SweepSettings&);
+template void PairSweep::apply(const Box&, Particles&, const sweep::StoyanovGroot&, const SweepSettings&);
+template void PairSweep::apply(const Box&, Particles&, const sweep::CommonDrag&, const SweepSettings&);
+
+PairSweep::PairTemperature PairSweep::measure(const Box& box, const Particles& particles,
+                                              const SweepSettings& settings) {
+    PairTemperature total;
+    if (!(range_ > 0.0) || particles.count() == 0) {
+        return total;
+    }
+    const int threads = useful_threads(particles);
+    sort(box, particles, settings, threads);
+    const auto rows = static_cast<std::size_t>(cells_.cell_count() / cells_.row_length());
+    std::vector<PairTemperature> parts(rows);  // added up in one order, whatever thread made them
+    visit_rows(box, settings, threads, [&](Row& row, std::int32_t place) {
+        PairTemperature& part = parts[static_cast<std::size_t>(place)];
+        for (std::size_t k = 0; k < row.i.size(); ++k) {
+            const PairSituation pair = situation(row, k, settings);
+            const Velocity& a = velocity_[row.i[k]];
+            const Velocity& b = velocity_[row.j[k]];
+            const double projection = row.dx[k] * (a.x - b.x) + row.dy[k] * (a.y - b.y) + row.dz[k] * (a.z - b.z);
+            const double u_squared = projection * projection / row.squared[k];
+            const double w = std::sqrt(pair.weight);
+            part.excess += pair.weight * (u_squared - settings.thermal_energy * pair.inverse_mass);
+            part.energy += w * u_squared / pair.inverse_mass;
+            part.weight += w;
+            ++part.pairs;
+        }
+    });
+    for (const PairTemperature& part : parts) {
+        total.excess += part.excess;
+        total.energy += part.energy;
+        total.weight += part.weight;
+        total.pairs += part.pairs;
+    }
+    return total;
+}
+
+}  // namespace dlpoly

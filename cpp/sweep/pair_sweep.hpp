@@ -1,0 +1,107 @@
+// A sweep: every pair within the range of its drag, one after the other, gets a new relative velocity along its axis
+// from the velocities that the pairs before it left behind.
+//
+// The order of the pairs is part of the result. It follows from the positions alone: colours of rows of cells, rows,
+// cells, and ids in the cells. Rows of one colour share no bead, so threads take them in any order, and results are the
+// same bits for any number of threads, chunks and restarts.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "cells/link_cells.hpp"
+#include "core/box.hpp"
+#include "core/particles.hpp"
+#include "core/random.hpp"
+#include "forces/exclusions.hpp"
+#include "forces/pair_phases.hpp"
+#include "forces/pair_table.hpp"
+#include "sweep/pair_map.hpp"
+
+namespace dlpoly {
+
+// What is the same for all pairs of one sweep.
+struct SweepSettings {
+    double duration = 0.0;         // h, ps
+    double thermal_energy = 0.0;   // k_B T
+    double weight_exponent = 2.0;  // s of w^D
+    double transverse_drag = 0.0;  // γ⊥ as a multiple of the pair's γ, acting across the axis
+    double rate = 0.0;             // thermostats that choose pairs: Γ, 1/ps, in place of ½γ/μ; 0 = none
+    std::uint64_t seed = 0;
+    std::uint64_t step = 0;
+    Stream stream = Stream::sweep_words;
+    bool strong_noise = false;  // Philox4x32-10 for every pair instead of the mix of two beads' words
+    bool backward = false;      // the pairs in opposite order
+    bool observe = false;       // also the virial of the impulses
+};
+
+class PairSweep {
+  public:
+    PairSweep(const PairTable& table, const Exclusions& exclusions);
+
+    // Applies the map to all pairs. Velocities change; positions do not. Maps: see the headers in this folder.
+    template <class Map>
+    void apply(const Box& box, Particles& particles, const Map& map, const SweepSettings& settings);
+
+    // Σ Δp_a r_b/h over the pairs of the last sweep that observed.
+    [[nodiscard]] const Matrix3& virial() const noexcept { return virial_; }
+
+    // Sums over all pairs at the present velocities.
+    struct PairTemperature {
+        double excess = 0.0;  // Σ w^D (u² − k_B T/μ)
+        double energy = 0.0;  // Σ w μ u²
+        double weight = 0.0;  // Σ w
+        std::int64_t pairs = 0;
+    };
+    [[nodiscard]] PairTemperature measure(const Box& box, const Particles& particles, const SweepSettings& settings);
+
+  private:
+    // The pairs of one row of cells that act on each other.
+    struct Row {
+        std::vector<std::uint32_t> i, j;  // in sorted order
+        std::vector<std::uint8_t> image;  // tells several images of one pair apart
+        std::vector<std::uint32_t> term;
+        std::vector<double> dx, dy, dz, squared;
+        std::vector<sweep::LinearMap> map;
+        std::vector<double> across;  // three numbers a pair: noise across the axis
+        std::vector<ListEntry> found;
+        std::vector<CellImage> neighbours;
+        std::vector<CandidateRange> ranges;
+    };
+    struct Velocity {
+        double x, y, z, inverse_mass;
+    };
+
+    void sort(const Box& box, const Particles& particles, const SweepSettings& settings, int threads);
+    void find_pairs(std::int32_t row, Row& result) const;
+    [[nodiscard]] sweep::PairDraw draw_of(const Row& row, std::size_t k, const SweepSettings& settings, bool uniform,
+                                          double* across) const;
+    template <class Map>
+    void make_maps(Row& row, const Map& map, const SweepSettings& settings) const;
+    void use_maps(const Row& row, const SweepSettings& settings, std::array<double, 6>* virial);
+    void use_pair(const Row& row, std::size_t k, const SweepSettings& settings, std::array<double, 6>* virial);
+    [[nodiscard]] sweep::PairSituation situation(const Row& row, std::size_t k, const SweepSettings& settings) const;
+    void visit_rows(const Box& box, const SweepSettings& settings, int threads,
+                    const std::function<void(Row&, std::int32_t)>& visit);
+    [[nodiscard]] int useful_threads(const Particles& particles) const;
+
+    const PairTable& table_;
+    const Exclusions& exclusions_;
+    const Phases* phases_;
+    double range_ = 0.0;  // the longest range of a drag
+    LinkCells cells_;
+    std::array<std::int64_t, 3> stride_{};
+    std::vector<ShiftRecord> shifts_;
+    std::vector<std::array<std::uint8_t, 2>> codes_;  // of every shift and its opposite; empty: one image a pair
+    std::size_t zero_ = 0;
+    std::vector<double> x_, y_, z_;  // sorted
+    std::vector<Velocity> velocity_;
+    std::vector<std::uint32_t> word_;
+    std::vector<std::int32_t> species_;
+    std::vector<Row> rows_;  // one a thread
+    Matrix3 virial_ = Matrix3::Zero();
+};
+
+}  // namespace dlpoly
