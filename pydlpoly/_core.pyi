@@ -12,10 +12,12 @@ import numpy.typing
 
 __all__: list[str] = [
     "BondedTerms",
+    "Order",
     "PairTable",
     "Precision",
     "StepSettings",
     "System",
+    "TemperatureSchedule",
     "bonded_laws",
     "evaluate_bonded",
     "evaluate_pair",
@@ -134,15 +136,123 @@ class Precision:
     @property
     def value(self) -> int: ...
 
+class Order:
+    """
+    The integrators; see cpp/integrate.
+
+    Members:
+
+      velocity_verlet
+
+      dpdvv
+
+      scvv
+
+      zeroth
+
+      first
+
+      second
+
+      peters
+
+      peters_first
+
+      lowe_andersen
+
+      stoyanov_groot
+
+      ou
+
+      ou_middle
+
+      middle
+
+      nose_hoover_langevin
+    """
+
+    __members__: typing.ClassVar[dict[str, Order]]
+    dpdvv: typing.ClassVar[Order]
+    first: typing.ClassVar[Order]
+    lowe_andersen: typing.ClassVar[Order]
+    middle: typing.ClassVar[Order]
+    nose_hoover_langevin: typing.ClassVar[Order]
+    ou: typing.ClassVar[Order]
+    ou_middle: typing.ClassVar[Order]
+    peters: typing.ClassVar[Order]
+    peters_first: typing.ClassVar[Order]
+    scvv: typing.ClassVar[Order]
+    second: typing.ClassVar[Order]
+    stoyanov_groot: typing.ClassVar[Order]
+    velocity_verlet: typing.ClassVar[Order]
+    zeroth: typing.ClassVar[Order]
+    @typing.overload
+    def __eq__(self, other: Order) -> bool: ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool: ...
+    def __getstate__(self) -> int: ...
+    def __hash__(self) -> int: ...
+    def __index__(self) -> int: ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __int__(self) -> int: ...
+    @typing.overload
+    def __ne__(self, other: Order) -> bool: ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __str__(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class TemperatureSchedule:
+    """
+    k_B T against time; see step_settings.hpp.
+    """
+    def __init__(self) -> None: ...
+    def at(
+        self,
+        time: typing.SupportsFloat | typing.SupportsIndex,
+        thermal_energy: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> float: ...
+    @property
+    def amplitude(self) -> float: ...
+    @amplitude.setter
+    def amplitude(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def energies(self) -> list[float]: ...
+    @energies.setter
+    def energies(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None: ...
+    @property
+    def period(self) -> float: ...
+    @period.setter
+    def period(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def phase(self) -> float: ...
+    @phase.setter
+    def phase(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def times(self) -> list[float]: ...
+    @times.setter
+    def times(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None: ...
+
 class StepSettings:
     """
     How a step is taken; see cpp/integrate/step_settings.hpp.
     """
 
     drag: bool
+    order: Order
     precision: Precision
     remove_drift: bool
+    schedule: TemperatureSchedule
     def __init__(self) -> None: ...
+    @property
+    def collision_rate(self) -> float: ...
+    @collision_rate.setter
+    def collision_rate(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
     @property
     def degrees_of_freedom(self) -> int: ...
     @degrees_of_freedom.setter
@@ -155,6 +265,10 @@ class StepSettings:
     def force_cap(self) -> float: ...
     @force_cap.setter
     def force_cap(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def passes(self) -> int: ...
+    @passes.setter
+    def passes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
     @property
     def prediction(self) -> float: ...
     @prediction.setter
@@ -176,9 +290,33 @@ class StepSettings:
     @thermal_energy.setter
     def thermal_energy(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
     @property
+    def thermostat_coupling(self) -> float: ...
+    @thermostat_coupling.setter
+    def thermostat_coupling(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def thermostat_every(self) -> int: ...
+    @thermostat_every.setter
+    def thermostat_every(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def thermostat_friction(self) -> float: ...
+    @thermostat_friction.setter
+    def thermostat_friction(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def thermostat_mass(self) -> float: ...
+    @thermostat_mass.setter
+    def thermostat_mass(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
     def timestep(self) -> float: ...
     @timestep.setter
     def timestep(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def tolerance(self) -> float: ...
+    @tolerance.setter
+    def tolerance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def transverse_drag(self) -> float: ...
+    @transverse_drag.setter
+    def transverse_drag(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
     @property
     def weight_exponent(self) -> float: ...
     @weight_exponent.setter
@@ -205,6 +343,10 @@ class System:
     def add_external_field(
         self, key: str, parameters: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]
     ) -> None: ...
+    def configurational(self) -> tuple[float, float]:
+        """
+        Σ|∇U|² and Σ∇²U over the mobile beads at the present positions.
+        """
     def distance_counts(self) -> numpy.typing.NDArray[numpy.int64]: ...
     def draw_velocities(self, zero_momentum: bool) -> None: ...
     def enable_distances(
@@ -300,6 +442,13 @@ class System:
     def step(self) -> int: ...
     @step.setter
     def step(self, arg1: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def thermostat(self) -> list[float]:
+        """
+        Variables that a thermostat keeps from step to step.
+        """
+    @thermostat.setter
+    def thermostat(self, arg1: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None: ...
     @property
     def time(self) -> float: ...
     @time.setter

@@ -356,6 +356,7 @@ class Simulation:
             "forces": np.asarray(system.forces),
             "images": np.asarray(system.images),
             "start_positions": self.start_positions,
+            "thermostat": np.asarray(system.thermostat, dtype=np.float64),
         }
         if self.scene.output.rdf_every > 0:
             arrays["distance_counts"] = np.asarray(system.distance_counts())
@@ -408,6 +409,7 @@ class Simulation:
         system.step, system.time = int(meta["step"]), float(meta["time"])
         system.positions = arrays["positions"]
         system.velocities = arrays["velocities"]
+        system.thermostat = arrays["thermostat"].tolist()
         self._engine.initialise()
         # The stored forces and totals hold the drag of the half-step velocities, which are gone.
         self._stored_totals = Totals(

@@ -14,6 +14,7 @@
 #include "core/threads.hpp"
 #include "integrate/equilibration.hpp"
 #include "integrate/system.hpp"
+#include "observe/configurational.hpp"
 #include "observe/kinetic.hpp"
 
 namespace py = pybind11;
@@ -306,7 +307,16 @@ void bind_system(py::module_& m) {
                 return std::vector<Matrix3>(virial.begin(), virial.begin() + bonded::kinds);
             },
             "Σ F_a r_b of bonds, angles, dihedrals, inversions and tethers.")
-        .def_property_readonly("kinetic_tensor", [](const System& s) { return kinetic_tensor(s.state.particles); })
+        .def_property_readonly(
+            "kinetic_tensor",
+            [](const System& s) { return s.totals.kinetic ? *s.totals.kinetic : kinetic_tensor(s.state.particles); })
+        .def(
+            "configurational",
+            [](System& s) {
+                const Configurational found = configurational(s.state, s.forces);
+                return std::pair<double, double>{found.squared_force, found.curvature};
+            },
+            py::call_guard<py::gil_scoped_release>(), "Σ|∇U|² and Σ∇²U over the mobile beads at the present positions.")
         .def_property_readonly("momentum", [](const System& s) { return momentum(s.state.particles); })
         .def_property_readonly("cell_counts", [](System& s) { return s.forces.pairs().cells().counts(); })
         .def("enable_distances", &System::enable_distances, py::arg("reach"), py::arg("bins"), py::arg("every"),

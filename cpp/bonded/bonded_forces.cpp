@@ -163,6 +163,49 @@ void BondedForces::scaled_pair(const ScaledPair& pair, const bonded::Places& pla
     }
 }
 
+double BondedForces::curvature(const Box& box, const Particles& particles, const PairTable& pairs) const {
+    const bonded::MinimumImage image(box);
+    const bonded::Places places{image, particles.position.data(), anchors_.data()};
+    const double force = std::max(largest_.force, 1e-12);
+    const double force_scale = std::ldexp(1.0, grid_exponent(force));
+    bonded::CurvatureSum total;
+    total.scale = std::ldexp(1.0, grid_exponent(force));
+    for (const auto& list : lists_) {
+        const auto chunks = static_cast<std::int64_t>(1 + list->size() / terms_a_thread);
+        std::vector<bonded::CurvatureSum> sums(static_cast<std::size_t>(chunks), total);
+#ifdef _OPENMP
+#pragma omp parallel for schedule(dynamic, 1)
+#endif
+        for (std::int64_t c = 0; c < chunks; ++c) {
+            const std::size_t first = list->size() * static_cast<std::size_t>(c) / static_cast<std::size_t>(chunks);
+            const std::size_t last = list->size() * static_cast<std::size_t>(c + 1) / static_cast<std::size_t>(chunks);
+            bonded::CurvatureSum& sum = sums[static_cast<std::size_t>(c)];
+            sum.sum = WideSum();
+            list->add_curvature(first, last, places, frozen_, force_scale, sum);
+        }
+        for (const bonded::CurvatureSum& sum : sums) {
+            total.sum.add(sum.sum);
+            total.lost = total.lost || sum.lost;
+        }
+    }
+    for (const ScaledPair& pair : scaled_) {
+        Vector3 d = places.position(pair.i) - places.position(pair.j);
+        const std::uint32_t term = pairs.term(particles.species[pair.i], particles.species[pair.j]);
+        if (!places.image.shorten(d) || pairs.kernel(term) == nullptr) {
+            continue;
+        }
+        const int mobile = (frozen_[pair.i] == 0 ? 1 : 0) + (frozen_[pair.j] == 0 ? 1 : 0);
+        PairBatch batch;
+        batch.size = 1;
+        batch.term = term;
+        std::fill_n(batch.distance_squared.values, batch_lanes, d.squaredNorm());
+        double curvature = 0.0;
+        pair_curvature(*pairs.kernel(term), batch, &curvature);
+        total.add(pair.scale * mobile * curvature);
+    }
+    return total.lost ? std::numeric_limits<double>::quiet_NaN() : total.sum.value(grid_exponent(force));
+}
+
 void BondedForces::report(std::span<const bonded::Worker> workers, const bonded::MinimumImage& image,
                           std::uint64_t step) {
     bonded::Failure first;

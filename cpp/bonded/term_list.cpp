@@ -69,6 +69,51 @@ class TermListOf final : public TermList {
         }
     }
 
+    void add_curvature(std::size_t first, std::size_t last, const Places& places, std::span<const std::uint8_t> frozen,
+                       double force_scale, CurvatureSum& sum) const override {
+        constexpr double shift = 1e-5;
+        std::array<std::uint32_t, beads> own{};
+        for (std::size_t b = 0; b < beads; ++b) {
+            own[b] = static_cast<std::uint32_t>(b);
+        }
+        std::array<double, 3 * beads> position{};
+        std::array<double, 3 * beads> anchor{};
+        const Places local{places.image, position.data(), anchor.data()};
+        const Request request{Vector3::Constant(force_scale), 0.0, false};
+        for (std::size_t k = first; k < last; ++k) {
+            const Term& term = terms_[k];
+            const Law& law = laws_[term.law];
+            for (std::size_t b = 0; b < beads; ++b) {
+                const Vector3 place = places.position(term.bead[b]);
+                std::copy_n(place.data(), 3, &position[3 * b]);
+                if constexpr (Law::info.kind == Kind::tether) {
+                    const Vector3 held = places.anchor(term.bead[b]);
+                    std::copy_n(held.data(), 3, &anchor[3 * b]);
+                }
+            }
+            double trace = 0.0;
+            for (std::size_t c = 0; c < 3 * beads; ++c) {
+                if (frozen[term.bead[c / 3]] != 0) {
+                    continue;
+                }
+                const double at = position[c];
+                for (const double sign : {1.0, -1.0}) {
+                    std::array<std::int64_t, 3 * beads> force{};
+                    Worker worker(request, force.data());
+                    Failure failure{&Law::info, false, 0.0, {}};
+                    position[c] = at + sign * shift;
+                    if (!evaluate_term(law, own, local, worker, failure) || worker.largest() >= 1.0) {
+                        sum.lost = true;
+                        return;
+                    }
+                    trace -= sign * static_cast<double>(force[c]);
+                }
+                position[c] = at;
+            }
+            sum.add(trace / (force_scale * 2.0 * shift));
+        }
+    }
+
   private:
     // A vector from one bead to another, false (and its length in `failure`) when its image is not certain.
     static bool separation(const Places& places, std::uint32_t to, std::uint32_t from, Vector3& vector,

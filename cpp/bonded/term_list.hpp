@@ -29,6 +29,22 @@ struct Places {
     }
 };
 
+// Second derivatives of the energy, added exactly: rounded once to a grid.
+struct CurvatureSum {
+    double scale = 1.0;
+    WideSum sum;
+    bool lost = false;  // a term was not finite or beyond the grid
+
+    void add(double value) noexcept {
+        const double scaled = value * scale;
+        if (std::abs(scaled) < largest_wide_term) {
+            sum.add(std::llrint(scaled));
+        } else {
+            lost = true;
+        }
+    }
+};
+
 class TermList {
   public:
     TermList() = default;
@@ -49,6 +65,11 @@ class TermList {
     // Orders the terms so that part p, the terms whose beads all lie in [bounds[p], bounds[p + 1]), are consecutive,
     // and the terms that cross a bound come last as one more part.
     virtual void partition(std::span<const std::uint32_t> bounds) = 0;
+
+    // Adds Σ ∂²U/∂x² over the coordinates of the mobile beads of terms [first, last), from differences of their forces;
+    // not a number when a term cannot be computed. force_scale is the grid that the terms' forces fit, as in Request.
+    virtual void add_curvature(std::size_t first, std::size_t last, const Places& places,
+                               std::span<const std::uint8_t> frozen, double force_scale, CurvatureSum& sum) const = 0;
 
     // Adds the terms of one part.
     virtual void evaluate(std::size_t part, const Places& places, Worker& worker) const = 0;

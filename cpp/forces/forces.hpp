@@ -44,6 +44,11 @@ class Forces {
         }
     }
 
+    // Σ ∂²U/∂x² over the coordinates of all mobile beads; external fields have none.
+    [[nodiscard]] double curvature(const Box& box, const Particles& particles) {
+        return pairs_.curvature(box, particles) + (bonded_ ? bonded_->curvature(box, particles, pairs_.table()) : 0.0);
+    }
+
     [[nodiscard]] PairForces& pairs() noexcept { return pairs_; }
     [[nodiscard]] bool has_bonded() const noexcept { return bonded_.has_value(); }
     [[nodiscard]] bool has_exclusions() const noexcept { return pairs_.has_exclusions(); }

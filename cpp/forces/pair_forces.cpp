@@ -79,6 +79,53 @@ void PairForces::compute(const Box& box, Particles& particles, const Array3N& ve
     }
 }
 
+double PairForces::curvature(const Box& box, const Particles& particles) {
+    if (table_.range() <= 0.0 || particles.count() == 0) {
+        return 0.0;
+    }
+    PairWalk walk;
+    walk.curvature = true;
+    walk.frozen = particles.frozen.data();
+    walk.threads = useful_threads(particles.count());
+    const double range = table_.range();
+    const int exponent = base_exponent_ + std::min(0, static_cast<int>(std::floor(std::log2(range))));
+    walk.scale = std::ldexp(1.0, exponent);
+    update_list(box, particles, walk.threads);
+    static_cast<void>(visit_pairs(walk));
+    WideSum sum;
+    bool lost = false;
+    for (const auto& worker : workers_) {
+        sum.add(worker->curvature);
+        lost = lost || worker->curvature_lost;
+    }
+    return lost ? std::numeric_limits<double>::quiet_NaN() : sum.value(exponent);
+}
+
+void PairForces::add_curvature(const PairWalk& walk, PairWorker& worker) const {
+    constexpr double largest = 0x1p61;  // WideSum takes terms of 64 bits
+    const PairKernel* kernel = table_.kernel(worker.batch.term);
+    if (kernel == nullptr) {
+        return;
+    }
+    const std::vector<std::uint32_t>& order = list_.order();
+    std::array<double, batch_capacity> curvature;
+    pair_curvature(*kernel, worker.batch, curvature.data());
+    for (std::size_t k = 0; k < worker.batch.size; ++k) {
+        const std::uint32_t i = worker.batch.i.values[k];
+        const std::uint32_t j = worker.batch.j.values[k];
+        if (i == j) {
+            continue;  // a bead and its own image move together
+        }
+        const int mobile = (walk.frozen[order[i]] == 0 ? 1 : 0) + (walk.frozen[order[j]] == 0 ? 1 : 0);
+        const double value = mobile * walk.scale * curvature[k];
+        if (std::abs(value) < largest) {
+            worker.curvature.add(std::llrint(value));
+        } else {
+            worker.curvature_lost = true;
+        }
+    }
+}
+
 void PairForces::update_list(const Box& box, const Particles& particles, int threads) {
     if (list_.refresh(box, particles, threads)) {
         return;
@@ -219,6 +266,12 @@ void PairForces::visit_row(const ListRow& row, const PairWalk& walk, PairWorker&
 void PairForces::finish_batch(const PairWalk& walk, PairWorker& worker) {
     PairBatch& batch = worker.batch;
     if (batch.size == 0) {
+        return;
+    }
+    if (walk.curvature) {
+        add_curvature(walk, worker);
+        batch.size = 0;
+        batch.runs = 0;
         return;
     }
     BatchResult& result = worker.result;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/box.hpp"
@@ -23,6 +24,9 @@ struct PairTotals {
     Matrix3 conservative = Matrix3::Zero();
     Matrix3 drag = Matrix3::Zero();
     Matrix3 noise = Matrix3::Zero();
+    // Σ m v_a v_b in the middle of the step, from integrators that thermalise there: that is where velocities have the
+    // Maxwell distribution, and those of the whole step are too slow by O(Δt²). Absent: take the present velocities.
+    std::optional<Matrix3> kinetic;
 };
 
 class PairForces {
@@ -46,6 +50,9 @@ class PairForces {
     void compute(const Box& box, Particles& particles, const Array3N& velocity, const ForceRequest& request,
                  PairTotals& totals);
 
+    // Σ ∂²U/∂x² of all pairs over the coordinates of the mobile beads; not a number when it is beyond all bounds.
+    [[nodiscard]] double curvature(const Box& box, const Particles& particles);
+
     [[nodiscard]] const PairTable& table() const noexcept { return table_; }
     [[nodiscard]] const LinkCells& cells() const noexcept { return list_.cells(); }
 
@@ -61,6 +68,7 @@ class PairForces {
     void collect_totals(int energy_exponent, PairTotals& totals) const;
     [[nodiscard]] Largest visit_pairs(const PairWalk& walk);
     void visit_row(const ListRow& row, const PairWalk& walk, PairWorker& worker);
+    void add_curvature(const PairWalk& walk, PairWorker& worker) const;
     void finish_batch(const PairWalk& walk, PairWorker& worker);
     void evaluate_motion(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const;
     void find_worst(const PairWalk& walk, PairWorker& worker) const;

@@ -1,6 +1,9 @@
 // The templated law loop: one instantiation for every law of the registry, which it knows only as a type, and every
 // instruction set.
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -165,6 +168,33 @@ class LawKernel final : public PairKernel {
 };
 
 }  // namespace
+
+void pair_curvature(const PairKernel& kernel, const PairBatch& batch, double* curvature) {
+    constexpr double shift = 1e-5;
+    const std::size_t whole = (batch.size + batch_lanes - 1) / batch_lanes * batch_lanes;
+    PairBatch moved;
+    moved.size = batch.size;
+    moved.term = batch.term;
+    moved.reach_squared = std::numeric_limits<double>::infinity();  // the law checks its own cutoff
+    std::array<BatchResult, 3> at;                                  // the distance, and a little more and less
+    const std::array<double, 3> scale{1.0, (1.0 + shift) * (1.0 + shift), (1.0 - shift) * (1.0 - shift)};
+    for (std::size_t n = 0; n < 3; ++n) {
+        for (std::size_t k = 0; k < whole; ++k) {
+            moved.distance_squared.values[k] = batch.distance_squared.values[k] * scale[n];
+        }
+        kernel.evaluate(moved, at[n]);
+    }
+    for (std::size_t k = 0; k < batch.size; ++k) {
+        const double here = at[0].conservative.values[k];
+        const double farther = at[1].conservative.values[k];
+        const double nearer = at[2].conservative.values[k];
+        // d(fr)/dr with the force f·r. Where the law ends between the two distances, its inner side counts.
+        const bool ends = farther == 0.0 && nearer != 0.0;
+        const double change = ends ? (here - nearer * (1.0 - shift)) / shift
+                                   : (farther * (1.0 + shift) - nearer * (1.0 - shift)) / (2.0 * shift);
+        curvature[k] = batch.distance_squared.values[k] > 0.0 ? -change - 2.0 * here : 0.0;
+    }
+}
 
 std::unique_ptr<PairKernel> make_kernel(const std::string& key, std::size_t terms) {
     std::unique_ptr<PairKernel> kernel;

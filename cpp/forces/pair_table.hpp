@@ -34,6 +34,10 @@ class PairKernel {
     [[nodiscard]] virtual std::pair<double, double> at(std::uint32_t term, double distance) const = 0;
 };
 
+// Writes ∇²U of each pair of a batch with respect to one of its beads, U'' + 2U'/r, from the law's forces at distances
+// close to the pair's; 0 at contact, where a direction is lacking, and beyond the law's cutoff.
+void pair_curvature(const PairKernel& kernel, const PairBatch& batch, double* curvature);
+
 // A kernel for the law with this key. Throws std::invalid_argument for an unknown key.
 std::unique_ptr<PairKernel> make_kernel(const std::string& key, std::size_t terms);
 

@@ -29,6 +29,8 @@ struct PairWorker {
     BatchResult result;
     std::int64_t accepted = 0;  // pairs within their reach
     WideSum energy;
+    WideSum curvature;
+    bool curvature_lost = false;
     std::array<std::array<WideSum, 6>, 3> virial;  // conservative, drag, noise; xx xy xz yy yz zz
     // Largest force term and largest energy or virial term met, in units of the largest term allowed; from 1 on the
     // sums must be repeated on a coarser grid. Smaller ones are not kept. Apart, so that observing a step never changes
@@ -42,7 +44,8 @@ struct PairWorker {
         batch.size = 0;
         batch.runs = 0;
         accepted = 0;
-        energy = WideSum();
+        energy = curvature = WideSum();
+        curvature_lost = false;
         virial = {};
         largest = 0.0;
         largest_energy = 0.0;
@@ -52,7 +55,9 @@ struct PairWorker {
 // What is the same for all pairs of one walk.
 struct PairWalk {
     ForceRequest request;
-    bool motion = false;  // drag and noise act
+    bool motion = false;                   // drag and noise act
+    bool curvature = false;                // second derivatives of the energy instead of forces
+    const std::uint8_t* frozen = nullptr;  // by id; for the curvature
     double scale = 0.0;
     double energy_scale = 0.0;
     int threads = 1;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "integrate/moves.hpp"
+#include "observe/kinetic.hpp"
 
 namespace dlpoly {
 
@@ -38,10 +39,15 @@ void Middle::step(State& state, Forces& forces, const StepSettings& settings, bo
     if (settings.drag && state.step % static_cast<std::uint64_t>(settings.thermostat_every) == 0) {
         thermalise(state, forces, settings, observe, of_motion);
     }
+    std::optional<Matrix3> kinetic;
+    if (observe) {
+        kinetic = kinetic_tensor(particles);
+    }
     drift(state, 0.5 * settings.timestep);
     compute_forces(state, forces, settings, conservative_request(state, settings, observe), particles.velocity, totals);
     totals.drag = of_motion.drag;
     totals.noise = of_motion.noise;
+    totals.kinetic = kinetic;
     kick(particles, 0.5 * settings.timestep);
     finish_step(state, settings);
 }

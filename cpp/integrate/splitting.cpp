@@ -2,6 +2,7 @@
 #include "integrate/splitting.hpp"
 
 #include "integrate/moves.hpp"
+#include "observe/kinetic.hpp"
 #include "sweep/implicit_euler.hpp"
 #include "sweep/lowe_andersen.hpp"
 #include "sweep/ornstein_uhlenbeck.hpp"
@@ -74,6 +75,7 @@ void Splitting::step(State& state, Forces& forces, const StepSettings& settings,
     const bool before = both || order_ == Order::zeroth || order_ == Order::first || order_ == Order::ou;
     const bool due = state.step % static_cast<std::uint64_t>(settings.thermostat_every) == 0;
     virial_.setZero();
+    std::optional<Matrix3> kinetic;
     if (before) {
         sweep(state, settings, both ? 0.5 * timestep : timestep, Stream::sweep_words, false, observe);
     }
@@ -82,6 +84,9 @@ void Splitting::step(State& state, Forces& forces, const StepSettings& settings,
     if (middle) {
         if (due) {
             sweep(state, settings, timestep * settings.thermostat_every, Stream::sweep_words, false, observe);
+        }
+        if (observe) {
+            kinetic = kinetic_tensor(particles);
         }
         drift(state, 0.5 * timestep);
     }
@@ -95,6 +100,7 @@ void Splitting::step(State& state, Forces& forces, const StepSettings& settings,
         sweep(state, settings, timestep, Stream::sweep_words, false, observe);
     }
     totals.drag = virial_;
+    totals.kinetic = kinetic;
     finish_step(state, settings);
 }
 

@@ -88,7 +88,7 @@ def lammps_input(scene: Scene) -> LammpsInput | str:
 
 
 def _dpd(scene: Scene) -> LammpsInput | str:
-    if scene.dynamics.integrator == "nve" or scene.dynamics.prediction != 0.5:
+    if scene.dynamics.integrator != "mdvv" or scene.dynamics.prediction != 0.5:
         return "only DPD with lambda 1/2 is translated"
     largest = max(term.cutoff for term in scene.pairs)
     coefficients = [f"{_types(term)} {term.parameters[0]} {term.drag} {term.cutoff}" for term in scene.pairs]

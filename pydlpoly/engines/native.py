@@ -16,6 +16,7 @@ from pydlpoly import _core
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.explain import PLANS
+from pydlpoly.scene.integrators import INTEGRATORS
 from pydlpoly.scene.model import Bonded, PairTerm, Scene
 
 _PRECISIONS = {
@@ -23,6 +24,8 @@ _PRECISIONS = {
     "mixed": _core.Precision.mixed,
     "reference": _core.Precision.reference,
 }
+_ORDERS = {name: getattr(_core.Order, name.replace("-", "_")) for name in INTEGRATORS if name != "mdvv"}
+_ORDERS |= dict.fromkeys(("nve", "mdvv"), _core.Order.velocity_verlet)
 
 
 @dataclass(frozen=True)
@@ -181,6 +184,20 @@ def _step_settings(scene: Scene, seed: int) -> _core.StepSettings:
     settings.weight_exponent = dynamics.weight_exponent
     settings.prediction = dynamics.prediction
     settings.drag = dynamics.integrator != "nve"
+    settings.order = _ORDERS[dynamics.integrator]
+    settings.transverse_drag = dynamics.transverse_drag
+    settings.collision_rate = dynamics.collision_rate
+    settings.thermostat_coupling = dynamics.coupling
+    settings.thermostat_mass = dynamics.thermostat_mass
+    settings.thermostat_friction = dynamics.thermostat_friction
+    settings.tolerance = dynamics.tolerance
+    settings.passes = dynamics.passes
+    settings.thermostat_every = dynamics.interval
+    if dynamics.schedule is not None:
+        schedule = _core.TemperatureSchedule()
+        schedule.times, schedule.energies = list(dynamics.schedule.times), list(dynamics.schedule.energies)
+        schedule.amplitude, schedule.period = dynamics.schedule.amplitude, dynamics.schedule.period
+        settings.schedule = schedule
     settings.remove_drift = dynamics.remove_drift
     settings.seed = seed
     settings.degrees_of_freedom = scene.degrees_of_freedom

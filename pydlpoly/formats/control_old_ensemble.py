@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from pydlpoly.formats.control_old_line import Line
+from pydlpoly.formats.keywords import KEYWORDS
 from pydlpoly.formats.records import Setting
 
 _PAIRS = {
@@ -19,9 +20,11 @@ _PAIRS = {
     "gst": ("gentle", ("ensemble_thermostat_coupling", "ensemble_thermostat_friction"), ()),
     "gentle": ("gentle", ("ensemble_thermostat_coupling", "ensemble_thermostat_friction"), ()),
 }
+_ORDERS = tuple(name for name in KEYWORDS["ensemble_dpd_order"].options if name != "off")
 _DPD_ORDERS = {
     **{"dpds0": "zeroth", "dpds1": "first", "dpds2": "second", "s0": "zeroth", "s1": "first", "s2": "second"},
-    **{"mdvv": "mdvv", "dpdvv": "dpdvv"},
+    **{"lowe": "lowe-andersen", "stoyanov": "stoyanov-groot"},
+    **{name: name for name in _ORDERS},
 }
 _WITH_BAROSTAT = ("langevin", "berendsen", "hoover", "mtk")
 
@@ -56,7 +59,9 @@ def _read_dpd(line: Line) -> bool:
     order = _DPD_ORDERS.get(line.peek())
     if order is None:
         if separate:
-            raise line.error("dpd must be followed by s1, s2 or mdvv", line.raw() or None)
+            raise line.error(
+                "dpd must be followed by s1, s2, mdvv or another name of ensemble_dpd_order", line.raw() or None
+            )
         return False
     line.position += 1
     line.put("ensemble_method", "dpd")
@@ -84,7 +89,7 @@ def _read_cell_constraint(line: Line) -> None:
 
 
 _WRITTEN = {name: (key, alone, more) for key, (name, alone, more) in reversed(_PAIRS.items())}
-_DPD_WORDS = {"zeroth": "dpds0", "first": "dpds1", "second": "dpds2", "mdvv": "mdvv", "dpdvv": "dpdvv"}
+_DPD_WORDS = {name: name for name in _ORDERS} | {"zeroth": "dpds0", "first": "dpds1", "second": "dpds2"}
 
 
 def write_ensemble(settings: Mapping[str, Setting], number: Callable[[str], str]) -> tuple[str, tuple[str, ...]]:

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import cast
+from itertools import pairwise
+from typing import Any, cast
 
 import numpy as np
 
+from pydlpoly.formats.keywords import KEYWORDS
 from pydlpoly.formats.records import Configuration, FloatArray
 from pydlpoly.scene.beads import Layout
-from pydlpoly.scene.model import Dynamics, ExternalTerm, Precision, RunPlan, Start
+from pydlpoly.scene.integrators import INTEGRATORS
+from pydlpoly.scene.model import Dynamics, ExternalTerm, PairTerm, Precision, RunPlan, Schedule, Start
 from pydlpoly.scene.settings import Notes, Settings, place
 from pydlpoly.units import BOLTZMANN
 
 _AVAILABLE = {
-    "new": "available are ensemble nve, and ensemble nvt with ensemble_method dpd and ensemble_dpd_order mdvv",
-    "old": "available are ensemble nve and ensemble nvt mdvv",
+    "new": "available are ensemble nve, and ensemble nvt with ensemble_method dpd and an ensemble_dpd_order",
+    "old": "available are ensemble nve, and ensemble nvt mdvv and the other orders of DPD",
 }
 
 
@@ -32,17 +36,79 @@ def resolve_dynamics(settings: Settings, reduced: bool, notes: Notes) -> Dynamic
     precision = cast(Precision, settings.word("precision"))
     if not _is_dpd(settings):
         return Dynamics("nve", timestep, BOLTZMANN * temperature, precision=precision)
+    order = settings.word("ensemble_dpd_order")
     if temperature == 0.0:
         notes.choice("the DPD thermostat has temperature 0: drag only, no noise", settings.where("temperature"))
-    prediction = settings.number("ensemble_dpd_lambda")
-    if not 0.0 <= prediction <= 1.0:
-        raise settings.refusal("ensemble_dpd_lambda", f"Groot and Warren's lambda lies in 0 to 1, not {prediction:g}")
-    exponent = settings.number("ensemble_dpd_exponent")
-    if not exponent > 0.0:
-        raise settings.refusal(
-            "ensemble_dpd_exponent", f"the exponent of the drag's weight must be above 0, not {exponent:g}"
-        )
-    return Dynamics("dpd-mdvv", timestep, BOLTZMANN * temperature, prediction, exponent, precision=precision)
+    taken = INTEGRATORS[order].keywords
+    dynamics = Dynamics(order, timestep, BOLTZMANN * temperature, precision=precision)
+    for keyword, (name, check, expected) in _PARAMETERS.items():
+        if keyword not in taken:
+            continue
+        value = settings.integer(keyword) if KEYWORDS[keyword].kind == "int" else settings.number(keyword)
+        if not check(value):
+            raise settings.refusal(keyword, f"{expected}, not {value:g}")
+        changes: dict[str, Any] = {name: value}
+        dynamics = replace(dynamics, **changes)
+    schedule, thermal_energy = _schedule(settings, BOLTZMANN * temperature)
+    return replace(dynamics, schedule=schedule, thermal_energy=thermal_energy)
+
+
+_PARAMETERS: dict[str, tuple[str, Callable[[float], bool], str]] = {
+    "ensemble_dpd_lambda": ("prediction", lambda x: 0.0 <= x <= 1.0, "Groot and Warren's lambda lies in 0 to 1"),
+    "ensemble_dpd_exponent": (
+        "weight_exponent",
+        lambda x: x > 0.0,
+        "the exponent of the drag's weight must be above 0",
+    ),
+    "ensemble_dpd_transverse_drag": (
+        "transverse_drag",
+        lambda x: x >= 0.0,
+        "the drag across the line of a pair must not be negative",
+    ),
+    "ensemble_dpd_rate": ("collision_rate", lambda x: x >= 0.0, "the rate must not be negative"),
+    "ensemble_dpd_coupling": ("coupling", lambda x: x >= 0.0, "the coupling must not be negative"),
+    "ensemble_dpd_tolerance": ("tolerance", lambda x: 0.0 < x <= 0.1, "the tolerance lies above 0 and up to 0.1"),
+    "ensemble_dpd_passes": ("passes", lambda x: 1 <= x <= 100, "the number of passes lies in 1 to 100"),
+    "ensemble_dpd_interval": ("interval", lambda x: 1 <= x <= 100, "the interval lies in 1 to 100 steps"),
+    "ensemble_dpd_thermostat_mass": ("thermostat_mass", lambda x: x > 0.0, "the thermostat's mass must be above 0"),
+    "ensemble_dpd_thermostat_friction": (
+        "thermostat_friction",
+        lambda x: x >= 0.0,
+        "the thermostat's friction must not be negative",
+    ),
+}
+# keyword: attribute of Dynamics, what its value must fulfil, and the same in words
+
+
+def _schedule(settings: Settings, thermal_energy: float) -> tuple[Schedule | None, float]:
+    """Return how the temperature varies, and the k_B T that the noise amplitudes of the pairs belong to."""
+    times, values = settings.given("temperature_times"), settings.given("temperature_values")
+    amplitude = BOLTZMANN * settings.number("temperature_amplitude")
+    if amplitude != 0.0:
+        period = settings.number("temperature_period")
+        if times or values:
+            raise settings.refusal("temperature_amplitude", "the temperature follows points or a sine, not both")
+        if not period > 0.0:
+            raise settings.refusal("temperature_amplitude", "the sine needs a temperature_period above 0")
+        if abs(amplitude) > thermal_energy:
+            raise settings.refusal("temperature_amplitude", "the temperature would become negative")
+        return Schedule(amplitude=amplitude, period=period), thermal_energy
+    if not times and not values:
+        return None, thermal_energy
+    if not (times and values):
+        keyword = "temperature_times" if times else "temperature_values"
+        raise settings.refusal(keyword, "temperature_times and temperature_values belong together")
+    at, temperatures = settings.vector("temperature_times"), settings.vector("temperature_values")
+    if len(at) != len(temperatures):
+        message = f"there are {len(at)} times and {len(temperatures)} temperatures"
+        raise settings.refusal("temperature_values", message)
+    if any(late <= early for early, late in pairwise(at)):
+        raise settings.refusal("temperature_times", "the times must ascend")
+    if min(temperatures) < 0.0:
+        raise settings.refusal("temperature_values", "a temperature must not be negative")
+    energies = tuple(BOLTZMANN * x for x in temperatures)
+    # Noise is scaled from this temperature's; it must not be 0 while another one is not.
+    return Schedule(times=at, energies=energies), thermal_energy if thermal_energy > 0.0 else max(energies)
 
 
 def _temperature(settings: Settings, reduced: bool, notes: Notes) -> float:
@@ -77,10 +143,33 @@ def _is_dpd(settings: Settings) -> bool:
     if order == "off":
         keyword = "ensemble_dpd_order" if settings.given("ensemble_dpd_order") else "ensemble_method"
         raise settings.refusal(keyword, f"the DPD thermostat needs ensemble_dpd_order; {available}")
-    if order != "mdvv":
-        message = f"the DPD thermostat with ensemble_dpd_order {order} is not modelled; {available}"
-        raise settings.refusal("ensemble_dpd_order", message)
     return True
+
+
+def check_limits(dynamics: Dynamics, pairs: tuple[PairTerm, ...], layout: Layout, settings: Settings) -> None:
+    """Raise SceneError where a pair map is not defined for the timestep: too strong a drag, or too high a rate."""
+    limits = {
+        "peters-first": (2.0, "peters-first needs drag x timestep / reduced mass below 2; peters has no such limit"),
+        "lowe-andersen": (1.0, "the probability that a pair is chosen in one step would be above 1"),
+        "stoyanov-groot": (1.0, "the probability that a pair is chosen in one step would be above 1"),
+    }
+    if dynamics.integrator not in limits:
+        return
+    limit, words = limits[dynamics.integrator]
+    mobile = ~layout.frozen
+    lightest = [
+        float(layout.mass[mobile & (layout.species == k)].min(initial=np.inf)) for k in range(len(layout.species_names))
+    ]
+    for term in pairs:
+        a, b = term.species
+        inverse = 1.0 / lightest[a] + 1.0 / lightest[b]
+        if dynamics.integrator == "peters-first":
+            found = term.drag * dynamics.timestep * inverse
+        else:
+            found = (dynamics.collision_rate or 0.5 * term.drag * inverse) * dynamics.timestep
+        if found > limit or (found == limit and dynamics.integrator == "peters-first"):
+            names = f"{layout.species_names[a]} {layout.species_names[b]}"
+            raise settings.refusal("ensemble_dpd_order", f"pair {names}: {words}; here it is {found:.4g}")
 
 
 def resolve_run(settings: Settings, thermostat: bool, config: Configuration, notes: Notes) -> RunPlan:

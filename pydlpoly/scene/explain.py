@@ -11,6 +11,7 @@ import numpy as np
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene import explain_bonded
 from pydlpoly.scene.cell import widths
+from pydlpoly.scene.integrators import INTEGRATORS
 from pydlpoly.scene.laws import pair_laws
 from pydlpoly.scene.model import Note, PairTerm, Scene
 from pydlpoly.units import BOLTZMANN
@@ -121,9 +122,9 @@ def _dynamics(scene: Scene) -> list[str]:
     else:
         exponent = dynamics.weight_exponent
         lines = [
-            "dpd-mdvv: velocity Verlet with pairwise drag and noise (Groot and Warren)",
+            f"{dynamics.integrator}: {INTEGRATORS[dynamics.integrator].about}",
             temperature,
-            f"prediction of the velocities lambda = {dynamics.prediction:g}",
+            *_parameters_of(scene),
             f"weight of the drag (1 - r/rc)^{exponent:g}, of the noise (1 - r/rc)^{exponent / 2:g}; "
             "noise^2 = 2 drag k_B T",
         ]
@@ -133,6 +134,53 @@ def _dynamics(scene: Scene) -> list[str]:
         f"timestep {dynamics.timestep:g}{word.time}",
         f"degrees of freedom {scene.degrees_of_freedom}; drift of the centre of mass {drift}",
     ]
+
+
+def _parameters_of(scene: Scene) -> list[str]:
+    """What the integrator takes beside drags and timestep, and how the temperature varies."""
+    dynamics, word = scene.dynamics, _Words(scene)
+    rate = f" 1/{word.time.strip()}" if word.time else ""
+    texts = {
+        "ensemble_dpd_lambda": f"prediction of the velocities lambda = {dynamics.prediction:g}",
+        "ensemble_dpd_tolerance": f"iterated until the kinetic energy changes by less than {dynamics.tolerance:g}",
+        "ensemble_dpd_passes": f"passes over the pairs in the middle of the drift: {dynamics.passes}",
+    }
+    if dynamics.interval > 1:
+        texts["ensemble_dpd_interval"] = f"thermostat {_every(dynamics.interval)}, for as many steps at once"
+    if dynamics.transverse_drag:
+        text = f"drag across the line of a pair: {dynamics.transverse_drag:g} times that along it"
+        texts["ensemble_dpd_transverse_drag"] = text
+    if dynamics.collision_rate:
+        texts["ensemble_dpd_rate"] = f"a pair is chosen {dynamics.collision_rate:g}{rate}"
+    elif "ensemble_dpd_rate" in INTEGRATORS[dynamics.integrator].keywords:
+        texts["ensemble_dpd_rate"] = "a pair is chosen at the rate drag/(2 reduced mass)"
+    texts["ensemble_dpd_coupling"] = f"drag of the pairs not chosen: {dynamics.coupling:g} (1 - T/T_pairs)"
+    texts["ensemble_dpd_thermostat_mass"] = (
+        f"inertia of the common drag {dynamics.thermostat_mass:g} degrees of freedom kT/drag^2, its friction "
+        f"{dynamics.thermostat_friction:g}{rate}"
+    )
+    taken = INTEGRATORS[dynamics.integrator].keywords
+    lines = [text for keyword, text in texts.items() if keyword in taken]
+    if dynamics.schedule is not None:
+        lines += _wrap(_schedule_text(scene))
+    return lines
+
+
+def _schedule_text(scene: Scene) -> str:
+    schedule, word = scene.dynamics.schedule, _Words(scene)
+    assert schedule is not None
+    unit = 1.0 if scene.units.reduced else BOLTZMANN
+    kind = "" if scene.units.reduced else " K"
+    if schedule.amplitude:
+        return (
+            f"the temperature follows a sine of amplitude {schedule.amplitude / unit:.6g}{kind} and period "
+            f"{schedule.period:g}{word.time}"
+        )
+    points = [
+        f"{energy / unit:.6g}{kind} at {time:g}{word.time}"
+        for time, energy in zip(schedule.times, schedule.energies, strict=True)
+    ]
+    return "the temperature follows straight lines between " + ", ".join(points)
 
 
 def _pairs(scene: Scene) -> list[str]:

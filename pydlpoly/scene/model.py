@@ -150,24 +150,56 @@ class Bonded:
 
 
 @dataclass(frozen=True)
+class Schedule:
+    """A temperature that varies: straight lines between points, or a sine about ``Dynamics.thermal_energy``.
+
+    Attributes:
+        times: ps, ascending; ``energies``: k_B T at those times. Constant before the first and after the last.
+        amplitude: of the sine, in k_B T; ``period``: ps.
+    """
+
+    times: tuple[float, ...] = ()
+    energies: tuple[float, ...] = ()
+    amplitude: float = 0.0
+    period: float = 0.0
+
+
+@dataclass(frozen=True)
 class Dynamics:
     """How a step is taken.
 
     Attributes:
-        integrator: "nve" or "dpd-mdvv" (velocity Verlet with the Groot–Warren prediction ``prediction`` = λ).
+        integrator: "nve" or a name of ``pydlpoly.scene.integrators.INTEGRATORS``.
         timestep: Δt in ps.
         thermal_energy: k_B T in internal energy units.
-        prediction: Groot–Warren's λ.
+        prediction: Groot–Warren's λ (mdvv).
         weight_exponent: s of w^D = (1 − r/r_c)^s.
+        transverse_drag: drag across the line of a pair as a multiple of its drag (sweeps).
+        collision_rate: Γ of lowe-andersen and stoyanov-groot, 1/ps; 0 = ½γ/μ.
+        coupling: α of stoyanov-groot, Da/ps.
+        tolerance: of scvv's iteration, relative change of the kinetic energy.
+        passes: over the pairs in the middle step; ``interval``: steps between thermostat steps of the middle schemes.
+        thermostat_mass: in units of degrees of freedom times k_B T/γ²; ``thermostat_friction``: 1/ps
+            (nose-hoover-langevin).
+        schedule: the temperature where it varies with time.
         remove_drift: whether the centre-of-mass velocity of the mobile beads is removed in every step.
         precision: arithmetic of the pair forces, "double", "mixed" or "reference".
     """
 
-    integrator: Literal["nve", "dpd-mdvv"]
+    integrator: str
     timestep: float
     thermal_energy: float
     prediction: float = 0.5
     weight_exponent: float = 2.0
+    transverse_drag: float = 0.0
+    collision_rate: float = 0.0
+    coupling: float = 0.0
+    tolerance: float = 1e-6
+    passes: int = 2
+    interval: int = 1
+    thermostat_mass: float = 1.0
+    thermostat_friction: float = 1.0
+    schedule: Schedule | None = None
     remove_drift: bool = False
     precision: Precision = "double"
 

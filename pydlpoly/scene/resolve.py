@@ -12,7 +12,7 @@ from pydlpoly.scene.beads import Layout, check_charges, check_configuration, lay
 from pydlpoly.scene.bonded import resolve_bonded
 from pydlpoly.scene.bonded_laws import KINDS
 from pydlpoly.scene.cell import resolve_cell, widths, wrap
-from pydlpoly.scene.dynamics import resolve_dynamics, resolve_run, settle_momentum, start_velocities
+from pydlpoly.scene.dynamics import check_limits, resolve_dynamics, resolve_run, settle_momentum, start_velocities
 from pydlpoly.scene.interactions import (
     long_range_correction,
     note_small_cell,
@@ -68,6 +68,7 @@ def resolve(
     cutoffs = resolve_cutoffs(settings, notes)
     cell, periodic = resolve_cell(config, cutoffs[0], notes)
     pairs = resolve_pairs(settings, field, field_units.factor, layout, dynamics, cutoffs, tables, notes)
+    check_limits(dynamics, pairs, layout, settings)
     note_small_cell(pairs, widths(cell)[list(periodic)].tolist(), notes)
     dynamics, degrees = settle_momentum(dynamics, layout, external, settings, notes)
     run = resolve_run(settings, dynamics.integrator != "nve", config, notes)

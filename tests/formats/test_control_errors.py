@@ -224,7 +224,7 @@ OLD_STYLE = [
     ),
     (
         "ensemble nvt dpd s3",
-        "CONTROL:2: 's3': dpd must be followed by s1, s2 or mdvv",
+        "CONTROL:2: 's3': dpd must be followed by s1, s2, mdvv or another name of ensemble_dpd_order",
     ),
     (
         "ensemble nvt hoover",

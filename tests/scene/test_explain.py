@@ -87,7 +87,7 @@ def test_species_with_several_masses(make):
 def test_thermostat(make):
     scene = make(units="kJ", control={"temperature": "300.0 K", "ensemble_dpd_exponent": "1.0"}).scene()
     assert sections(scene)["Integrator and thermostat"] == [
-        "dpd-mdvv: velocity Verlet with pairwise drag and noise (Groot and Warren)",
+        "mdvv: velocity Verlet with pairwise drag and noise (Groot and Warren)",
         "temperature 300 K, k_B T = 249.435335 (10 J/mol)",
         "prediction of the velocities lambda = 0.5",
         "weight of the drag (1 - r/rc)^1, of the noise (1 - r/rc)^0.5; noise^2 = 2 drag k_B T",

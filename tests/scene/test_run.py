@@ -23,7 +23,7 @@ def texts(scene, kind):
 
 def test_dpd_with_defaults(make):
     dynamics = make().scene().dynamics
-    assert (dynamics.integrator, dynamics.timestep, dynamics.thermal_energy) == ("dpd-mdvv", 0.01, 1.0)
+    assert (dynamics.integrator, dynamics.timestep, dynamics.thermal_energy) == ("mdvv", 0.01, 1.0)
     assert (dynamics.prediction, dynamics.weight_exponent) == (0.5, 2.0)
 
 
