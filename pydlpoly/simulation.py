@@ -168,6 +168,7 @@ class Simulation:
         self._stored_totals: Totals | None = None  # of a checkpoint, until the first step
         self._engine.start(scene)
         self.start_positions: FloatArray = np.asarray(self._engine.system.positions)
+        self._configurational: tuple[int, tuple[float, float]] | None = None  # with its step
         self._rate = 0.0
         self._interrupted = False
         self._reporter_state: dict[str, NDArray[Any]] = {}
@@ -306,7 +307,7 @@ class Simulation:
             system.wrap()
         if velocities is not None:
             system.velocities = np.where(self.scene.beads.frozen[:, None], 0.0, velocities)
-        self._observation = self._stored_totals = None
+        self._observation = self._stored_totals = self._configurational = None
         self._engine.initialise()
 
     def observe(self) -> Observation:
@@ -322,6 +323,28 @@ class Simulation:
     def temperature(self) -> float:
         """Kinetic temperature, K (reduced with ``units dpd``)."""
         return self.observe().temperature
+
+    @property
+    def configurational_temperature(self) -> float:
+        """Temperature of the positions, K (reduced with ``units dpd``): Σ|∇U|²/(k_B Σ∇²U) over the mobile beads.
+
+        Of this step alone; averages over steps are best made of ``configurational()``, sum over sum. Costs a few steps
+        the first time it is asked for in a step. Not a number where nothing acts or where it cannot be computed.
+        Rugh, Phys. Rev. Lett. 78, 772 (1997).
+        """
+        squared_force, curvature = self.configurational()
+        return squared_force / (curvature * self.scene.units.boltzmann) if curvature > 0.0 else float("nan")
+
+    def configurational(self) -> tuple[float, float]:
+        """Return Σ|∇U|² and Σ∇²U over the mobile beads at the present positions, internal units.
+
+        The ratio of their averages over a run is k_B times the configurational temperature, which shows the error of a
+        timestep that the kinetic temperature hides. ∇U is of pair laws, bonded terms and external fields; the second
+        derivatives are differences of forces, exact to about 1e-9.
+        """
+        if self._configurational is None or self._configurational[0] != self.step:
+            self._configurational = (self.step, self._engine.configurational())
+        return self._configurational[1]
 
     @property
     def pressure(self) -> float:

@@ -136,6 +136,12 @@ class NativeEngine:
             bonded=np.array(system.bonded_virial_tensors),
         )
 
+    def configurational(self) -> tuple[float, float]:
+        """Return Σ|∇U|² and Σ∇²U over the mobile beads, internal units."""
+        _core.set_threads(self.threads)
+        squared_force, curvature = self.system.configurational()
+        return float(squared_force), float(curvature)
+
     def distance_counts(self, bins: int, species: int) -> NDArray[np.int64]:
         """Return pair distance counts, (species, species, bins), pairs counted once under a ≤ b."""
         return np.asarray(self.system.distance_counts()).reshape(species, species, bins)
