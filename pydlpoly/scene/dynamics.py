@@ -83,6 +83,7 @@ _PARAMETERS: dict[str, tuple[str, Callable[[float], bool], str]] = {
 def _schedule(settings: Settings, thermal_energy: float) -> tuple[Schedule | None, float]:
     """Return how the temperature varies, and the k_B T that the noise amplitudes of the pairs belong to."""
     times, values = settings.given("temperature_times"), settings.given("temperature_values")
+    settings.consumed.update(("temperature_times", "temperature_values"))
     amplitude = BOLTZMANN * settings.number("temperature_amplitude")
     if amplitude != 0.0:
         period = settings.number("temperature_period")

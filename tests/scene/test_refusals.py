@@ -13,7 +13,7 @@ from pydlpoly.formats.field import parse_field
 from pydlpoly.formats.records import PairLine
 from pydlpoly.scene import resolve
 
-AVAILABLE = "available are ensemble nve, and ensemble nvt with ensemble_method dpd and ensemble_dpd_order mdvv"
+AVAILABLE = "available are ensemble nve, and ensemble nvt with ensemble_method dpd and an ensemble_dpd_order"
 
 CASES = {
     "ensemble_npt": (
@@ -28,23 +28,47 @@ CASES = {
         {"control": {"ensemble_method": None, "ensemble_dpd_order": None}},
         f"CONTROL:2: 'ensemble': ensemble nvt needs a thermostat; {AVAILABLE}",
     ),
-    "order_first": (
-        {"control": {"ensemble_dpd_order": "first"}},
+    "peters_first_of_a_strong_drag": (
+        {"control": {"ensemble_dpd_order": "peters-first", "timestep": "0.5 dpd_t"}},
         (
-            "CONTROL:4: 'ensemble_dpd_order': the DPD thermostat with ensemble_dpd_order first is not"
-            f" modelled; {AVAILABLE}"
+            "CONTROL:4: 'ensemble_dpd_order': pair A A: peters-first needs drag x timestep / reduced mass below 2; "
+            "peters has no such limit; here it is 4.5"
         ),
+    ),
+    "lowe_with_a_rate_too_high": (
+        {"control": {"ensemble_dpd_order": "lowe", "ensemble_dpd_rate": "200 dpd_t^-1"}},
+        (
+            "CONTROL:4: 'ensemble_dpd_order': pair A A: the probability that a pair is chosen in one step would be "
+            "above 1; here it is 2"
+        ),
+    ),
+    "no_pass": (
+        {"control": {"ensemble_dpd_order": "middle", "ensemble_dpd_passes": "0"}},
+        "CONTROL:10: 'ensemble_dpd_passes': the number of passes lies in 1 to 100, not 0",
+    ),
+    "times_without_temperatures": (
+        {"control": {"temperature_times": "[ 0 1 ] dpd_t"}},
+        "CONTROL:10: 'temperature_times': temperature_times and temperature_values belong together",
+    ),
+    "times_that_do_not_ascend": (
+        {"control": {"temperature_times": "[ 1 1 ] dpd_t", "temperature_values": "[ 1 2 ] dpd_temp"}},
+        "CONTROL:10: 'temperature_times': the times must ascend",
+    ),
+    "more_times_than_temperatures": (
+        {"control": {"temperature_times": "[ 0 1 ] dpd_t", "temperature_values": "[ 1 ] dpd_temp"}},
+        "CONTROL:11: 'temperature_values': there are 2 times and 1 temperatures",
+    ),
+    "sine_below_zero": (
+        {"control": {"temperature_amplitude": "2 dpd_temp", "temperature_period": "1 dpd_t"}},
+        "CONTROL:10: 'temperature_amplitude': the temperature would become negative",
+    ),
+    "sine_without_period": (
+        {"control": {"temperature_amplitude": "0.5 dpd_temp"}},
+        "CONTROL:10: 'temperature_amplitude': the sine needs a temperature_period above 0",
     ),
     "order_missing": (
         {"control": {"ensemble_dpd_order": None}},
         f"CONTROL:3: 'ensemble_method': the DPD thermostat needs ensemble_dpd_order; {AVAILABLE}",
-    ),
-    "old_name_of_the_order": (
-        {"control": {"ensemble_method": "dpds1", "ensemble_dpd_order": None}},
-        (
-            "CONTROL:3: 'ensemble_dpd_order': the DPD thermostat with ensemble_dpd_order first is not"
-            f" modelled; {AVAILABLE}"
-        ),
     ),
     "timestep_zero": (
         {"control": {"timestep": "0.0 ps"}},

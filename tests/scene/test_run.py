@@ -136,12 +136,27 @@ def test_velocities_of_frozen_beads_are_set_to_zero(make, drifting):
     assert "the velocities that the file gives to frozen beads are set to 0" in texts(scene, "choice")
 
 
-@pytest.mark.parametrize("ensemble", ["nvt dpds1 4.5", "nvt hoover 1.0"])
+@pytest.mark.parametrize("ensemble", ["nvt hoover 1.0"])
 def test_old_style_files_are_told_what_is_available_in_their_own_words(make, ensemble):
     case = make()
     control = parse_control(f"old\ntemperature 1.0\ntimestep 0.01\nsteps 10\ncutoff 1.0\nensemble {ensemble}\nfinish\n")
-    with pytest.raises(SceneError, match=r"^CONTROL:6: .*; available are ensemble nve and ensemble nvt mdvv$"):
+    with pytest.raises(
+        SceneError,
+        match=r"^CONTROL:6: .*; available are ensemble nve, and ensemble nvt mdvv and the other orders of DPD$",
+    ):
         resolve(control, parse_field(case.field_text()), parse_config(case.config_text()))
+
+
+@pytest.mark.parametrize(
+    ("ensemble", "integrator"),
+    [("nvt dpds1 4.5", "first"), ("nvt dpd s2", "second"), ("nvt dpds0", "zeroth"), ("nvt lowe", "lowe-andersen"),
+     ("nvt ou-middle", "ou-middle"), ("nvt dpdvv", "dpdvv")],
+)  # fmt: skip
+def test_old_style_orders(make, ensemble, integrator):
+    case = make()
+    control = parse_control(f"old\ntemperature 1.0\ntimestep 0.01\nsteps 10\ncutoff 1.0\nensemble {ensemble}\nfinish\n")
+    scene = resolve(control, parse_field(case.field_text()), parse_config(case.config_text()))
+    assert scene.dynamics.integrator == integrator
 
 
 def test_old_style_drag_fills_pairs(make):
