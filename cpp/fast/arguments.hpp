@@ -31,6 +31,15 @@ struct PairRow {
 // and noise virials, each in its own unit (see Fluid::observe). Every pair is counted from both of its beads.
 inline constexpr int observed_numbers = 19;
 
+// What becomes of the impulses of a pass that is not the last of a chunk.
+enum class Stage {
+    advance,       // momentum and position take them
+    advance_held,  // the same, and what is held
+    noise_alone,   // they are all there is for the estimate before one drag: a quarter; the rest is held
+    noise,         // the same before two drags: all is held
+    drag,          // half of these and of what is held make the next estimate
+};
+
 template <class Record>
 struct PassArguments {
     using Arithmetic = typename Record::Arithmetic;
@@ -59,6 +68,11 @@ struct PassArguments {
     std::uint32_t word_key[3];  // of the next step's random words
     std::int32_t* cell_of;      // out: cell of each advanced bead, where the record has no room for it
     std::int32_t* histogram;    // in/out: beads in each cell
+
+    // A thermostat step in the middle of a drift takes several passes at the same positions (integrate/middle.hpp). All
+    // but the last leave beads where they are and write an estimate of the momentum; `held` keeps the rest.
+    Stage stage;
+    typename Record::Fixed* held;  // 4 a bead, in the order of `sorted`; nullptr where no thermostat step is taken
 
     std::int64_t* bonded;  // impulses of bonded terms, 3 a bead by id below bonded_end, used up; or nullptr
     std::uint32_t bonded_end;

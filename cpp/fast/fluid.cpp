@@ -8,6 +8,7 @@
 #include <cstring>
 #include <new>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "core/failure.hpp"
@@ -39,6 +40,10 @@ class AlignedArray {
     T* data() noexcept { return data_; }
     const T* data() const noexcept { return data_; }
     [[nodiscard]] std::size_t size() const noexcept { return size_; }
+    void swap(AlignedArray& other) noexcept {
+        std::swap(size_, other.size_);
+        std::swap(data_, other.data_);
+    }
 
   private:
     std::size_t size_;
@@ -123,9 +128,12 @@ class FluidOf final : public Fluid {
           shadow_z_(beads_ + padding),
           cell_of_(std::is_same_v<Record, MixedRecord> ? beads_ : 0),
           row_start_(static_cast<std::size_t>(grid_.cells()) + 1),
+          held_(settings.order == Order::middle ? 4 * beads_ : 0),
           table_(table),
           timestep_(settings.timestep),
-          has_drag_(settings.drag && table.has_drag()) {
+          has_drag_(settings.drag && table.has_drag()),
+          middle_(settings.order == Order::middle),
+          every_(settings.order == Order::middle ? settings.thermostat_every : 1) {
         const double range = momentum_range(kinds_, table, settings.thermal_energy);
         // The numbers reach further, so that leaving the range is seen.
         momentum_unit_ = std::ldexp(1.0, std::ilogb(range) + 1 - Record::momentum_bits);
@@ -147,12 +155,21 @@ class FluidOf final : public Fluid {
     void take(State& state, const StepSettings& settings, bool with_impulses);
     void give_motion(State& state);
     void give_forces(State& state);
-    void passes(State& state, const StepSettings& settings, std::uint64_t steps, PairTotals& totals);
+    void passes(State& state, const StepSettings& settings, std::uint64_t steps, bool start, PairTotals& totals);
     PassArguments<Record> arguments(State& state);
     void set_word_key(PassArguments<Record>& a, const StepSettings& settings, std::uint64_t step);
     void observe_totals(PairTotals& totals) const;
     void prefix_sums();
-    void sort_part(std::size_t part);
+    void sort_part(std::size_t part, bool forces_follow);
+    void sort_all(std::size_t part, std::size_t parts, bool forces_follow);
+    void refresh(PassArguments<Record>& a);
+    void thermostat_passes(PassArguments<Record>& a, const StepSettings& settings, std::size_t part, std::size_t parts,
+                           std::uint64_t step, bool observe);
+    std::pair<std::int32_t, std::int32_t> share(PassArguments<Record>& a, std::size_t part, std::size_t parts);
+    [[nodiscard]] bool thermostat_due(std::uint64_t step) const {
+        return middle_ && has_drag_ && step % static_cast<std::uint64_t>(every_) == 0;
+    }
+    [[nodiscard]] Matrix3 middle_kinetic() const;
     void order_cells(std::int32_t begin, std::int32_t end);
     [[nodiscard]] std::int32_t first_place(int part, int parts) const;
     [[nodiscard]] int thread_count() const;
@@ -206,9 +223,15 @@ class FluidOf final : public Fluid {
     AlignedArray<std::uint8_t> shadow_z_;
     AlignedArray<std::int32_t> cell_of_;
     AlignedArray<std::int32_t> row_start_;
+    AlignedArray<Fixed> held_;
     std::array<PairRow<Arithmetic>, most_kinds> rows_{};
+    // Of thermostat steps in the middle of the drift, which take noise and drag in passes of their own.
+    std::array<PairRow<Arithmetic>, most_kinds> noise_rows_{};
+    std::array<PairRow<Arithmetic>, most_kinds> drag_rows_{};
+    std::array<PairRow<Arithmetic>, most_kinds> motion_rows_{};  // both at once
     std::array<Arithmetic, most_kinds> inverse_mass_{};
     std::array<Arithmetic, most_kinds> drift_{};
+    std::array<Arithmetic, most_kinds> half_drift_{};
     std::vector<std::vector<std::int32_t>> histograms_;
     std::vector<std::int32_t> part_;  // beads part_[t] … part_[t + 1] of `advanced_` belong to thread t
     std::vector<double> observed_;    // observed_numbers a row of cells
@@ -223,6 +246,8 @@ class FluidOf final : public Fluid {
     double longest_ = 0.0;
     double timestep_;
     bool has_drag_;
+    bool middle_;  // drag and noise act in the middle of the drift, every so many steps
+    int every_;
 };
 
 // Constants of every pair of kinds; see arguments.hpp for their scale.
@@ -252,8 +277,23 @@ void FluidOf<Record>::fill_rows(const PairTable& table, const StepSettings& sett
             }
             rows_[i].repulsion[j] = static_cast<Arithmetic>(impulse * law.repulsion);
             rows_[i].energy[j] = static_cast<Arithmetic>(0.5 * law.repulsion * law.cutoff);
-            rows_[i].drag[j] = static_cast<Arithmetic>(dragged ? impulse * drag.drag * velocity : 0.0);
-            rows_[i].noise[j] = static_cast<Arithmetic>(dragged ? impulse * drag.noise * noise : 0.0);
+            rows_[i].drag[j] = static_cast<Arithmetic>(dragged ? every_ * impulse * drag.drag * velocity : 0.0);
+            rows_[i].noise[j] =
+                static_cast<Arithmetic>(dragged ? std::sqrt(every_) * impulse * drag.noise * noise : 0.0);
+        }
+        half_drift_[i] = static_cast<Arithmetic>(0.5) * drift_[i];
+    }
+    if (middle_) {
+        for (std::size_t i = 0; i < kinds_.list.size(); ++i) {
+            motion_rows_[i] = rows_[i];
+            for (std::size_t j = 0; j < kinds_.list.size(); ++j) {
+                motion_rows_[i].repulsion[j] = motion_rows_[i].energy[j] = 0;
+                rows_[i].drag[j] = rows_[i].noise[j] = 0;
+            }
+            noise_rows_[i] = drag_rows_[i] = motion_rows_[i];
+            for (std::size_t j = 0; j < kinds_.list.size(); ++j) {
+                noise_rows_[i].drag[j] = drag_rows_[i].noise[j] = 0;
+            }
         }
     }
 }
@@ -269,6 +309,7 @@ void FluidOf<Record>::take(State& state, const StepSettings& settings, bool with
     part_ = {0, static_cast<std::int32_t>(beads_)};
     PassArguments<Record> step = arguments(state);
     set_word_key(step, settings, with_impulses ? state.step + 1 : state.step);
+    step.drift = thermostat_due(state.step + 1) ? half_drift_.data() : drift_.data();
     const auto beads = static_cast<Eigen::Index>(beads_);
     Record* records = advanced_.data();
     for (Eigen::Index i = 0; i < beads; ++i) {
@@ -361,8 +402,7 @@ void FluidOf<Record>::give_forces(State& state) {
 template <class Record>
 PassArguments<Record> FluidOf<Record>::arguments(State& state) {
     PassArguments<Record> a{};
-    a.sorted = sorted_.data();
-    a.advanced = advanced_.data();
+    refresh(a);
     a.shadow_x = shadow_x_.data();
     a.shadow_y = shadow_y_.data();
     a.shadow_z = shadow_z_.data();
@@ -386,8 +426,17 @@ PassArguments<Record> FluidOf<Record>::arguments(State& state) {
     a.drift = drift_.data();
     a.images = state.particles.image.data();
     a.cell_of = cell_of_.data();
-    a.impulses = impulses();
+    a.stage = Stage::advance;
+    a.held = held_.data();
     return a;
+}
+
+// Where the records are; they change places in thermostat steps.
+template <class Record>
+void FluidOf<Record>::refresh(PassArguments<Record>& a) {
+    a.sorted = sorted_.data();
+    a.advanced = advanced_.data();
+    a.impulses = impulses();
 }
 
 // The random words made from now on belong to this step.
@@ -420,7 +469,7 @@ void FluidOf<Record>::prefix_sums() {
 }
 
 template <class Record>
-void FluidOf<Record>::sort_part(std::size_t part) {
+void FluidOf<Record>::sort_part(std::size_t part, bool forces_follow) {
     std::int32_t* next = histograms_[part].data();
     const Record* from = advanced_.data();
     Record* to = sorted_.data();
@@ -428,7 +477,7 @@ void FluidOf<Record>::sort_part(std::size_t part) {
         const std::int32_t place = next[plain::kept_cell(cell_of_.data(), from, i)]++;
         to[place] = from[i];
         cast_shadow(from[i], place);
-        if (bonded_ != nullptr) {
+        if (bonded_ != nullptr && forces_follow) {
             place_bonded(from[i]);
         }
     }
@@ -469,31 +518,121 @@ std::int32_t FluidOf<Record>::first_place(int part, int parts) const {
     return low;
 }
 
+// Brings the advanced beads into the order of the cells. Called by all threads together.
 template <class Record>
-void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::uint64_t steps, PairTotals& totals) {
+void FluidOf<Record>::sort_all(std::size_t part, std::size_t parts, bool forces_follow) {
+#ifdef _OPENMP
+#pragma omp single
+#endif
+    prefix_sums();
+    const auto written = histograms_.size();
+    for (std::size_t source = part; source < written; source += parts) {
+        sort_part(source, forces_follow);
+    }
+#ifdef _OPENMP
+#pragma omp barrier
+#pragma omp single
+#endif
+    {
+        histograms_.resize(parts);
+        part_.assign(parts + 1, 0);
+    }
+}
+
+// The rows of cells that a thread handles; also where it writes what it advances.
+template <class Record>
+std::pair<std::int32_t, std::int32_t> FluidOf<Record>::share(PassArguments<Record>& a, std::size_t part,
+                                                             std::size_t parts) {
+    std::vector<std::int32_t>& histogram = histograms_[part];
+    histogram.assign(static_cast<std::size_t>(grid_.cells()), 0);
+    a.histogram = histogram.data();
+    const std::int32_t begin = first_place(static_cast<int>(part), static_cast<int>(parts));
+    const std::int32_t end = first_place(static_cast<int>(part) + 1, static_cast<int>(parts));
+    part_[part + 1] = row_start_.data()[static_cast<std::int64_t>(end) * grid_.counts[0]];
+    return {begin, end};
+}
+
+// Drag and noise at the positions in the middle of a drift, and its second half; see integrate/middle.hpp for the
+// formulas. Called by all threads together.
+template <class Record>
+void FluidOf<Record>::thermostat_passes(PassArguments<Record>& a, const StepSettings& settings, std::size_t part,
+                                        std::size_t parts, std::uint64_t step, bool observe) {
+    sort_all(part, parts, false);
+    const auto [begin, end] = share(a, part, parts);
+    if (observe) {
+        order_cells(begin, end);
+#ifdef _OPENMP
+#pragma omp barrier
+#endif
+    }
+    std::int64_t* const bonded = a.bonded;
+    const auto one_kind = kinds_.list.size() == 1;
+    const Pass<Record> pass = pass_of({one_kind, true, false, false});
+    const Pass<Record> watched = pass_of({one_kind, true, true, false});
+    a.bonded = nullptr;
+    a.drift = half_drift_.data();
+    set_word_key(a, settings, step);
+    const auto exchange = [&] {
+#ifdef _OPENMP
+#pragma omp barrier
+#pragma omp single
+#endif
+        sorted_.swap(advanced_);
+        refresh(a);
+    };
+    if (settings.passes == 1) {
+        a.rows = motion_rows_.data();
+        a.stage = Stage::advance;
+        (observe ? watched : pass)(a, begin, end);
+    } else {
+        a.rows = noise_rows_.data();
+        a.stage = settings.passes == 2 ? Stage::noise_alone : Stage::noise;
+        (observe ? watched : pass)(a, begin, end);
+        exchange();
+        a.rows = drag_rows_.data();
+        if (settings.passes == 3) {
+            a.stage = Stage::drag;
+            pass(a, begin, end);
+            exchange();
+        }
+        a.stage = Stage::advance_held;
+        (observe ? watched : pass)(a, begin, end);
+    }
+#ifdef _OPENMP
+#pragma omp barrier
+#endif
+    a.stage = Stage::advance;
+    a.rows = rows_.data();
+    a.bonded = bonded;
+}
+
+template <class Record>
+void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::uint64_t steps, bool start,
+                             PairTotals& totals) {
     const bool one_kind = kinds_.list.size() == 1;
-    const Pass<Record> inner = pass_of({one_kind, has_drag_, false, false});
-    const Pass<Record> last = pass_of({one_kind, has_drag_, true, true});
+    const bool drag = has_drag_ && !middle_;
+    const Pass<Record> inner = pass_of({one_kind, drag, false, false});
+    const Pass<Record> last = pass_of({one_kind, drag, true, true});
     observed_.assign(static_cast<std::size_t>(grid_.rows()) * observed_numbers, 0.0);
     std::uint64_t overflow = 0;
     const int asked = thread_count();
-    int parts = 1;
+    std::size_t parts = 1;
     bonded_workers_.assign(static_cast<std::size_t>(asked) + 1,
                            bonded::Worker(bonded_request(false, 0), bonded_impulses_.data()));
 #ifdef _OPENMP
 #pragma omp parallel num_threads(asked)
 #endif
     {
-        const int part = thread_number();
+        const auto part = static_cast<std::size_t>(thread_number());
 #ifdef _OPENMP
 #pragma omp single
-        parts = omp_get_num_threads();
+        parts = static_cast<std::size_t>(omp_get_num_threads());
 #endif
         if (bonded_ != nullptr) {
 #ifdef _OPENMP
 #pragma omp single
 #endif
-            bonded_->prepare(static_cast<std::size_t>(parts));
+            bonded_->prepare(parts);
         }
         PassArguments<Record> a = arguments(state);
         a.observed = observed_.data();
@@ -502,39 +641,21 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
         AlignedArray<std::uint8_t> workspace(workspace_bytes);
         a.workspace = workspace.data();
         for (std::uint64_t k = 1; k <= steps; ++k) {
-#ifdef _OPENMP
-#pragma omp single
-#endif
-            prefix_sums();
-            const auto written = histograms_.size();
-            for (auto source = static_cast<std::size_t>(part); source < written;
-                 source += static_cast<std::size_t>(parts)) {
-                sort_part(source);
+            if (!start && thermostat_due(state.step + k)) {
+                thermostat_passes(a, settings, part, parts, state.step + k, k == steps);
             }
-#ifdef _OPENMP
-#pragma omp barrier
-#pragma omp single
-#endif
-            {
-                histograms_.resize(static_cast<std::size_t>(parts));
-                part_.assign(static_cast<std::size_t>(parts) + 1, 0);
-            }
-            if (bonded_ != nullptr && !add_bonded_terms(state, static_cast<std::size_t>(part), k == steps)) {
+            sort_all(part, parts, true);
+            if (bonded_ != nullptr && !add_bonded_terms(state, part, k == steps)) {
                 break;
             }
-            std::vector<std::int32_t>& histogram = histograms_[static_cast<std::size_t>(part)];
-            histogram.assign(static_cast<std::size_t>(grid_.cells()), 0);
-            const std::int32_t begin = first_place(part, parts);
-            const std::int32_t end = first_place(part + 1, parts);
-            part_[static_cast<std::size_t>(part) + 1] =
-                row_start_.data()[static_cast<std::int64_t>(end) * grid_.counts[0]];
-            a.histogram = histogram.data();
+            const auto [begin, end] = share(a, part, parts);
             if (k == steps) {
                 order_cells(begin, end);
 #ifdef _OPENMP
 #pragma omp barrier
 #endif
             }
+            a.drift = thermostat_due(state.step + k + 1) ? half_drift_.data() : drift_.data();
             set_word_key(a, settings, state.step + k + 1);
             (k < steps ? inner : last)(a, begin, end);
 #ifdef _OPENMP
@@ -554,6 +675,23 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
         report_range(state.step + steps, -1);
     }
     observe_totals(totals);
+}
+
+// Σ m v_a v_b of the momenta between two force evaluations, which are those after the drag and noise in the middle.
+template <class Record>
+Matrix3 FluidOf<Record>::middle_kinetic() const {
+    Matrix3 tensor = Matrix3::Zero();
+    for (std::size_t place = 0; place < beads_; ++place) {
+        const Record& bead = sorted_.data()[place];
+        const Kinds::Kind& kind = kinds_.list[bead.tag >> kind_shift];
+        if (kind.frozen) {
+            continue;
+        }
+        const Vector3 momentum(static_cast<double>(bead.px) * axis_unit(0), static_cast<double>(bead.py) * axis_unit(1),
+                               static_cast<double>(bead.pz) * axis_unit(2));
+        tensor += momentum * momentum.transpose() / kind.mass;
+    }
+    return tensor;
 }
 
 template <class Record>
@@ -649,7 +787,7 @@ bool FluidOf<Record>::bonded_overflow() const {
 template <class Record>
 void FluidOf<Record>::start(State& state, const StepSettings& settings, PairTotals& totals) {
     take(state, settings, false);
-    passes(state, settings, 1, totals);
+    passes(state, settings, 1, true, totals);
     // Positions and velocities stay as they are given: rounding them here would make a restart differ.
     give_forces(state);
 }
@@ -660,7 +798,10 @@ void FluidOf<Record>::run(State& state, const StepSettings& settings, std::uint6
         return;
     }
     take(state, settings, true);
-    passes(state, settings, steps, totals);
+    passes(state, settings, steps, false, totals);
+    if (middle_) {
+        totals.kinetic = middle_kinetic();
+    }
     give_motion(state);
     give_forces(state);
     state.step += steps;
@@ -685,7 +826,9 @@ void FluidOf<Record>::observe_totals(PairTotals& totals) const {
     for (Matrix3* tensor : {&totals.conservative, &totals.drag, &totals.noise}) {
         for (std::size_t k = 0; k < 6; ++k) {
             const auto [row, column] = axes[k];
-            const double value = 0.5 * sum[first + k] * length[row] * length[column] / impulse;
+            // A thermostat step in the middle acts for several steps at once.
+            const double share = tensor == &totals.conservative ? 0.5 : 0.5 / every_;
+            const double value = share * sum[first + k] * length[row] * length[column] / impulse;
             (*tensor)(row, column) = value;
             (*tensor)(column, row) = value;
         }
@@ -723,13 +866,14 @@ std::string refusal(const Box& box, const Particles& particles, const PairTable&
     if (cell.diagonal().maxCoeff() > longest * table.range()) {
         return "the box is too long for fixed-point positions";
     }
-    if (settings.order != Order::velocity_verlet) {
-        return "the integrator is neither nve nor mdvv";
+    if (settings.order != Order::velocity_verlet && settings.order != Order::middle) {
+        return "the integrator is not nve, mdvv or middle";
     }
     if (settings.schedule.varies()) {
         return "the temperature varies";
     }
-    if (settings.drag && (settings.weight_exponent != 2.0 || settings.prediction != 0.5)) {
+    if (settings.drag &&
+        (settings.weight_exponent != 2.0 || (settings.order == Order::velocity_verlet && settings.prediction != 0.5))) {
         return "the weight exponent is not 2 or lambda is not 1/2";
     }
     if (settings.remove_drift) {

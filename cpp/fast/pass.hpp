@@ -221,12 +221,64 @@ inline void add_bonded(PassArguments<Record>& a, Workspace<Record>& work, int32_
     }
 }
 
+// Adds what is held to the impulses of the last pass of a thermostat step.
+template <class Record>
+inline void add_held(const PassArguments<Record>& a, Workspace<Record>& work, int32_t begin, int32_t end) {
+    for (int32_t i = begin; i < end; ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+            typename Record::Fixed& impulse = work.impulse[4 * (i - begin) + axis];
+            impulse = wrapped_sum(impulse, a.held[4 * static_cast<int64_t>(i) + axis]);
+        }
+    }
+}
+
+// Estimates of momenta for the next pass of a thermostat step, in integers: what is not in them is held, so that
+// nothing is rounded away.
+template <class Record>
+inline void estimate_momenta(const PassArguments<Record>& a, const Workspace<Record>& work, int32_t begin,
+                             int32_t end) {
+    using Fixed = typename Record::Fixed;
+    for (int32_t i = begin; i < end; ++i) {
+        const Record& bead = a.sorted[i];
+        Record& out = a.advanced[i];
+        out = bead;
+        Fixed* held = a.held + 4 * static_cast<int64_t>(i);
+        if (a.drift[bead.tag >> kind_shift] == typename Record::Arithmetic(0)) {
+            held[0] = held[1] = held[2] = 0;  // frozen
+            continue;
+        }
+        const Fixed* impulse = work.impulse + 4 * (i - begin);
+        Fixed momentum[3] = {bead.px, bead.py, bead.pz};
+        for (int axis = 0; axis < 3; ++axis) {
+            if (a.stage == Stage::drag) {
+                const Fixed half = wrapped_sum(held[axis], impulse[axis]) >> 1;
+                momentum[axis] = wrapped_sum(momentum[axis], wrapped_difference(half, Fixed(held[axis] >> 2)));
+                held[axis] = wrapped_difference(held[axis], half);
+            } else {
+                const Fixed quarter = impulse[axis] >> 2;
+                momentum[axis] = wrapped_sum(momentum[axis], quarter);
+                held[axis] = a.stage == Stage::noise ? impulse[axis] : wrapped_difference(impulse[axis], quarter);
+            }
+        }
+        out.px = momentum[0];
+        out.py = momentum[1];
+        out.pz = momentum[2];
+    }
+}
+
 // Everything a piece of beads still needs once its impulses are known: kept (last step), or used.
 template <bool last, class Lanes, class Record>
 DLPOLY_INLINE void finish_beads(PassArguments<Record>& a, typename Lanes::Advance& advance, Workspace<Record>& work,
                                 int32_t begin, int32_t end) {
     if (a.bonded != nullptr) {
         add_bonded(a, work, begin, end);
+    }
+    if (!last && a.stage != Stage::advance) {
+        if (a.stage != Stage::advance_held) {
+            estimate_momenta(a, work, begin, end);
+            return;
+        }
+        add_held(a, work, begin, end);
     }
     if constexpr (last) {
         for (int32_t i = begin; i < end; ++i) {

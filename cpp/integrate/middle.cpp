@@ -1,6 +1,7 @@
 // The simultaneous middle step (see middle.hpp).
 #include "integrate/middle.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "integrate/moves.hpp"
@@ -16,18 +17,27 @@ void Middle::start(State& state, Forces& forces, const StepSettings& settings, b
 void Middle::thermalise(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {
     Particles& particles = state.particles;
     const double duration = settings.timestep * settings.thermostat_every;
-    ForceRequest request = request_of(state, settings, false);
-    request.conservative = false;
+    ForceRequest request = request_of(state, settings, observe);
+    request.conservative = request.drag = false;
     request.inverse_root_timestep = 1.0 / std::sqrt(duration);
     before_ = particles.velocity;
-    mean_ = particles.velocity;
-    for (int pass = 0; pass < settings.passes; ++pass) {
-        request.observe = observe && pass + 1 == settings.passes;
-        forces.compute(state.box, particles, mean_, request, totals);
-        particles.velocity = before_;
+    forces.compute(state.box, particles, before_, request, totals);
+    kick(particles, duration);
+    noise_ = particles.velocity - before_;
+    request.noise = false;
+    request.drag = true;
+    estimate_ = settings.passes == 1 ? before_ : before_ + 0.25 * noise_;
+    PairTotals of_drag;
+    for (int pass = 2; pass <= std::max(2, settings.passes); ++pass) {
+        if (pass > 2) {
+            estimate_ = 0.5 * (before_ + particles.velocity);
+        }
+        request.observe = observe && pass == std::max(2, settings.passes);
+        forces.compute(state.box, particles, estimate_, request, of_drag);
+        particles.velocity = before_ + noise_;
         kick(particles, duration);
-        mean_ = 0.5 * (before_ + particles.velocity);
     }
+    totals.drag = of_drag.drag;
 }
 
 void Middle::step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {

@@ -76,7 +76,7 @@ struct StepSettings {
     double thermostat_mass = 0.0;      // of Nosé and Hoover's variable, energy · ps² / …; see its integrator
     double thermostat_friction = 0.0;  // of the same variable, 1/ps
     double tolerance = 1e-6;           // of the self-consistent iteration: relative change of the kinetic energy
-    int passes = 2;                    // pair passes of the simultaneous middle step
+    int passes = 3;                    // pair passes of the simultaneous middle step
     int thermostat_every = 1;          // steps between two thermostat steps of the middle schemes
     bool drag = false;                 // pair thermostat on
     bool remove_drift = false;         // take the centre-of-mass velocity out in every step

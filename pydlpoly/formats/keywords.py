@@ -175,7 +175,7 @@ _ENSEMBLE = (
     _float("ensemble_dpd_coupling", "drag", "0.3 Da/ps", "strength of stoyanov-groot's drag"),
     _float("ensemble_dpd_tolerance", "number", "1.0e-6",
            "relative change of the kinetic energy at which scvv stops iterating"),
-    _int("ensemble_dpd_passes", "2", "passes over the pairs in the middle step"),
+    _int("ensemble_dpd_passes", "3", "passes over the pairs in the middle step, 1 to 3"),
     _int("ensemble_dpd_interval", "1", "steps from one thermostat step of middle and ou-middle to the next"),
     _float("ensemble_dpd_thermostat_mass", "number", "1.0",
            "inertia of nose-hoover-langevin's drag, in units of degrees of freedom times kT/drag^2"),

@@ -68,7 +68,7 @@ _PARAMETERS: dict[str, tuple[str, Callable[[float], bool], str]] = {
     "ensemble_dpd_rate": ("collision_rate", lambda x: x >= 0.0, "the rate must not be negative"),
     "ensemble_dpd_coupling": ("coupling", lambda x: x >= 0.0, "the coupling must not be negative"),
     "ensemble_dpd_tolerance": ("tolerance", lambda x: 0.0 < x <= 0.1, "the tolerance lies above 0 and up to 0.1"),
-    "ensemble_dpd_passes": ("passes", lambda x: 1 <= x <= 100, "the number of passes lies in 1 to 100"),
+    "ensemble_dpd_passes": ("passes", lambda x: 1 <= x <= 3, "the number of passes lies in 1 to 3"),
     "ensemble_dpd_interval": ("interval", lambda x: 1 <= x <= 100, "the interval lies in 1 to 100 steps"),
     "ensemble_dpd_thermostat_mass": ("thermostat_mass", lambda x: x > 0.0, "the thermostat's mass must be above 0"),
     "ensemble_dpd_thermostat_friction": (

@@ -195,7 +195,7 @@ class Dynamics:
     collision_rate: float = 0.0
     coupling: float = 0.0
     tolerance: float = 1e-6
-    passes: int = 2
+    passes: int = 3
     interval: int = 1
     thermostat_mass: float = 1.0
     thermostat_friction: float = 1.0

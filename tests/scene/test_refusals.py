@@ -44,7 +44,7 @@ CASES = {
     ),
     "no_pass": (
         {"control": {"ensemble_dpd_order": "middle", "ensemble_dpd_passes": "0"}},
-        "CONTROL:10: 'ensemble_dpd_passes': the number of passes lies in 1 to 100, not 0",
+        "CONTROL:10: 'ensemble_dpd_passes': the number of passes lies in 1 to 3, not 0",
     ),
     "times_without_temperatures": (
         {"control": {"temperature_times": "[ 0 1 ] dpd_t"}},
