@@ -244,6 +244,7 @@ class StepSettings:
     """
 
     drag: bool
+    half_step_kinetic: bool
     order: Order
     precision: Precision
     remove_drift: bool

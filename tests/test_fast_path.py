@@ -123,8 +123,8 @@ def plan_of(simulation: Simulation) -> str:
 
 
 def general(scene: Scene, precision: Precision) -> Simulation:
-    """The scene on the general path: a prediction that is not quite ½ changes no force of a given state."""
-    dynamics = replace(scene.dynamics, prediction=0.5 + 1e-9)
+    """The scene on the general path: an exponent that is 2 but for one bit changes forces by rounding only."""
+    dynamics = replace(scene.dynamics, weight_exponent=math.nextafter(2.0, 3.0))
     if dynamics.integrator == "nve":
         precision, dynamics = "reference", scene.dynamics  # without noise, precision changes nothing there
     simulation = Simulation(replace(scene, dynamics=dynamics), seed=SEED, precision=precision, threads=1)
@@ -149,15 +149,41 @@ def test_forces_and_totals_are_those_of_the_general_path(instruction_set: str, n
         assert np.abs(first.stress_parts[key] - part).max() < TOLERANCE[precision] * scale, key
 
 
+STEPPERS: dict[str, dict[str, str | None]] = {
+    "mdvv": {},
+    "mdvv, lambda 0.85": {"ensemble_dpd_lambda": "0.85"},
+    "mdvv, lambda 0.4, half-step temperature": {"ensemble_dpd_lambda": "0.4", "ensemble_dpd_kinetic": "half"},
+    "middle": {"ensemble_dpd_order": "middle"},
+    "middle, 1 pass": {"ensemble_dpd_order": "middle", "ensemble_dpd_passes": "1"},
+    "middle, 2 passes, every 2": {
+        "ensemble_dpd_order": "middle",
+        "ensemble_dpd_passes": "2",
+        "ensemble_dpd_interval": "2",
+    },
+    "middle, every 3": {"ensemble_dpd_order": "middle", "ensemble_dpd_interval": "3"},
+    "nve": {**NVE, "fixed_com": "off"},
+}
+
+
 @pytest.mark.parametrize("precision", PRECISIONS)
-def test_steps_are_those_of_the_general_path(instruction_set: str, precision: Precision) -> None:
+@pytest.mark.parametrize("stepper", STEPPERS)
+@pytest.mark.parametrize("kinds", [1, 3])
+def test_steps_are_those_of_the_general_path(
+    instruction_set: str, kinds: int, stepper: str, precision: Precision
+) -> None:
     """Ten steps, after which rounding has grown to some hundred times its size and physics would be far away."""
-    scene = fluid(kinds=3, frozen=1, cell=(5.0, 7.5, 6.0))
+    scene = fluid(kinds=kinds, frozen=kinds // 3, cell=(5.0, 7.5, 6.0), control=STEPPERS[stepper])
     fast = Simulation(scene, seed=SEED, precision=precision, threads=1)
     slow = general(scene, precision)
-    fast.run(10)
+    assert plan_of(fast) == f"fast: {instruction_set}"
+    fast.run(6)
+    fast.run(4)
     slow.run(10)
     bound = 1000 * TOLERANCE[precision]
+    assert fast.observe().temperature == pytest.approx(slow.observe().temperature, rel=10 * bound)
+    for part, tensor in slow.observe().stress_parts.items():
+        difference = np.abs(fast.observe().stress_parts[part] - tensor).max()
+        assert difference < 100 * bound * np.abs(slow.observe().stress).max(), part
     assert fast.step == slow.step == 10
     assert np.abs(fast.state.positions - slow.state.positions).max() < bound, instruction_set
     assert np.abs(fast.state.velocities - slow.state.velocities).max() < 10 * bound
@@ -173,10 +199,12 @@ def total_momentum(simulation: Simulation) -> FloatArray:
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("cell", [(4.0, 4.0, 4.0), (4.0, 5.5, 4.7)], ids=["cubic", "not cubic"])
 @pytest.mark.parametrize("kinds", [1, 3])
+@pytest.mark.parametrize("stepper", ["mdvv", "mdvv, lambda 0.85", "middle, every 3"])
 def test_momentum_never_changes(
-    instruction_set: str, cell: tuple[float, float, float], kinds: int, precision: Precision
+    instruction_set: str, stepper: str, cell: tuple[float, float, float], kinds: int, precision: Precision
 ) -> None:
-    simulation = Simulation(fluid(kinds=kinds, cell=cell), seed=SEED, precision=precision, threads=1)
+    scene = fluid(kinds=kinds, cell=cell, control=STEPPERS[stepper])
+    simulation = Simulation(scene, seed=SEED, precision=precision, threads=1)
     simulation.run(1)
     before = total_momentum(simulation)
     simulation.run(1000 if instruction_set != "plain" else 200)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from pydlpoly import Scene, Simulation, State
+from pydlpoly.scene.integrators import INTEGRATORS
 
 from .scene_builder import NVE, make_scene
 
@@ -86,6 +87,23 @@ SCENES: dict[str, Callable[[], Scene]] = {
         overlapping,
     )
 }
+
+
+def of_order(order: str) -> Callable[[], Scene]:
+    """The mixture with frozen beads stepped by another integrator; where it may, with the thermostat every 2 steps."""
+    control = {"ensemble_dpd_order": order}
+    if order in ("middle", "ou-middle"):
+        control["ensemble_dpd_interval"] = "2"
+    return lambda: mixture(control=control)
+
+
+SCENES |= {order: of_order(order) for order in INTEGRATORS}
+SCENES["middle on the general path"] = lambda: mixture(
+    control={"ensemble_dpd_order": "middle", "ensemble_dpd_exponent": "1.0"}
+)
+SCENES["a temperature that varies"] = lambda: mixture(
+    control={"temperature_times": "[ 0 1 ] internal_t", "temperature_values": "[ 1 3 ] dpd_temp"}
+)
 
 
 def assert_same_bits(a: State, b: State) -> None:

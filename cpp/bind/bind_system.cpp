@@ -175,6 +175,7 @@ void bind_system(py::module_& m) {
         .def_readwrite("thermal_energy", &StepSettings::thermal_energy)
         .def_readwrite("weight_exponent", &StepSettings::weight_exponent)
         .def_readwrite("prediction", &StepSettings::prediction)
+        .def_readwrite("half_step_kinetic", &StepSettings::half_step_kinetic)
         .def_readwrite("order", &StepSettings::order)
         .def_readwrite("schedule", &StepSettings::schedule)
         .def_readwrite("transverse_drag", &StepSettings::transverse_drag)

@@ -38,6 +38,7 @@ enum class Stage {
     noise_alone,   // they are all there is for the estimate before one drag: a quarter; the rest is held
     noise,         // the same before two drags: all is held
     drag,          // half of these and of what is held make the next estimate
+    predict,       // momentum and position take them; the drag of the next pass sees a part of them more
 };
 
 template <class Record>
@@ -72,7 +73,10 @@ struct PassArguments {
     // A thermostat step in the middle of a drift takes several passes at the same positions (integrate/middle.hpp). All
     // but the last leave beads where they are and write an estimate of the momentum; `held` keeps the rest.
     Stage stage;
-    typename Record::Fixed* held;  // 4 a bead, in the order of `sorted`; nullptr where no thermostat step is taken
+    typename Record::Fixed* held;  // 4 a bead, in the order of `sorted`; nullptr where nothing is held
+    // With a prediction, momenta in `sorted` are ahead by what is held; `held_next` is in the order of `advanced`.
+    typename Record::Fixed* held_next;
+    Arithmetic prediction;  // λ − ½: the part of a step's impulse by which momenta are ahead
 
     std::int64_t* bonded;  // impulses of bonded terms, 3 a bead by id below bonded_end, used up; or nullptr
     std::uint32_t bonded_end;

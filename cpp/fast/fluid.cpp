@@ -108,6 +108,11 @@ double spacing(const State& state) {
 double candidates_of_block(double cells, double beads_a_cell) { return 9.0 * (cells + 2.0) * beads_a_cell; }
 constexpr double usual_candidates = 0.85 * most_candidates;
 
+bool middle(const StepSettings& settings) { return settings.order == Order::middle; }
+bool predicts(const StepSettings& settings) {
+    return settings.order == Order::velocity_verlet && settings.drag && settings.prediction != 0.5;
+}
+
 template <class Record>
 class FluidOf final : public Fluid {
   public:
@@ -128,12 +133,16 @@ class FluidOf final : public Fluid {
           shadow_z_(beads_ + padding),
           cell_of_(std::is_same_v<Record, MixedRecord> ? beads_ : 0),
           row_start_(static_cast<std::size_t>(grid_.cells()) + 1),
-          held_(settings.order == Order::middle ? 4 * beads_ : 0),
+          held_(middle(settings) || predicts(settings) ? 4 * beads_ : 0),
+          held_next_(predicts(settings) ? 4 * beads_ : 0),
           table_(table),
           timestep_(settings.timestep),
           has_drag_(settings.drag && table.has_drag()),
-          middle_(settings.order == Order::middle),
-          every_(settings.order == Order::middle ? settings.thermostat_every : 1) {
+          middle_(middle(settings)),
+          every_(middle_ ? settings.thermostat_every : 1),
+          predicts_(predicts(settings)),
+          half_kinetic_(settings.half_step_kinetic),
+          prediction_(settings.prediction - 0.5) {
         const double range = momentum_range(kinds_, table, settings.thermal_energy);
         // The numbers reach further, so that leaving the range is seen.
         momentum_unit_ = std::ldexp(1.0, std::ilogb(range) + 1 - Record::momentum_bits);
@@ -169,7 +178,8 @@ class FluidOf final : public Fluid {
     [[nodiscard]] bool thermostat_due(std::uint64_t step) const {
         return middle_ && has_drag_ && step % static_cast<std::uint64_t>(every_) == 0;
     }
-    [[nodiscard]] Matrix3 middle_kinetic() const;
+    [[nodiscard]] Matrix3 half_step_kinetic() const;
+    void order_held(std::int32_t begin, std::int32_t end);
     void order_cells(std::int32_t begin, std::int32_t end);
     [[nodiscard]] std::int32_t first_place(int part, int parts) const;
     [[nodiscard]] int thread_count() const;
@@ -223,7 +233,8 @@ class FluidOf final : public Fluid {
     AlignedArray<std::uint8_t> shadow_z_;
     AlignedArray<std::int32_t> cell_of_;
     AlignedArray<std::int32_t> row_start_;
-    AlignedArray<Fixed> held_;
+    AlignedArray<Fixed> held_;       // in the order of sorted_, see PassArguments
+    AlignedArray<Fixed> held_next_;  // in the order of advanced_
     std::array<PairRow<Arithmetic>, most_kinds> rows_{};
     // Of thermostat steps in the middle of the drift, which take noise and drag in passes of their own.
     std::array<PairRow<Arithmetic>, most_kinds> noise_rows_{};
@@ -248,6 +259,9 @@ class FluidOf final : public Fluid {
     bool has_drag_;
     bool middle_;  // drag and noise act in the middle of the drift, every so many steps
     int every_;
+    bool predicts_;      // the drag sees velocities ahead of the half step's: Groot and Warren's λ is not ½
+    bool half_kinetic_;  // the kinetic energy is that of the half-step velocities
+    double prediction_;  // λ − ½
 };
 
 // Constants of every pair of kinds; see arguments.hpp for their scale.
@@ -351,6 +365,18 @@ void FluidOf<Record>::take(State& state, const StepSettings& settings, bool with
             const Record before = bead;
             plain::advance_bead(step, before, impulse.data(), bead);
         }
+        if (predicts_) {
+            Fixed* held = held_next_.data() + 4 * id;
+            for (Eigen::Index axis = 0; axis < 3; ++axis) {
+                const auto k = static_cast<std::size_t>(axis);
+                const auto impulse =
+                    static_cast<Fixed>(std::llrint(particles.force(i, axis) * timestep / axis_unit(axis)));
+                held[k] = with_impulses && !kinds_.list[kind].frozen
+                              ? static_cast<Fixed>(plain::nearest(static_cast<Arithmetic>(impulse) * step.prediction))
+                              : Fixed{0};
+                *momentum[k] += held[k];
+            }
+        }
         bead.word = bead_word(static_cast<std::uint32_t>(i), step.word_key);
         const std::int32_t cell = plain::cell_of(step, bead);
         plain::keep_cell(step, static_cast<std::int32_t>(i), cell);
@@ -380,7 +406,9 @@ void FluidOf<Record>::give_motion(State& state) {
             constexpr int unused_bits = static_cast<int>(8 * sizeof(Fixed)) - Record::position_bits;
             particles.position(i, axis) = static_cast<double>(position[k] >> unused_bits) *
                                           (edges_[axis] * std::ldexp(1.0, -Record::position_bits));
-            const double whole = static_cast<double>(momentum[k]) + 0.5 * static_cast<double>(impulses()[3 * id + k]);
+            const double half_step =
+                static_cast<double>(predicts_ ? momentum[k] - held_.data()[4 * place + k] : momentum[k]);
+            const double whole = half_step + 0.5 * static_cast<double>(impulses()[3 * id + k]);
             particles.velocity(i, axis) = whole * axis_unit(axis) / particles.mass[id];
         }
     }
@@ -427,7 +455,12 @@ PassArguments<Record> FluidOf<Record>::arguments(State& state) {
     a.images = state.particles.image.data();
     a.cell_of = cell_of_.data();
     a.stage = Stage::advance;
+    if (predicts_) {
+        a.stage = Stage::predict;
+    }
     a.held = held_.data();
+    a.held_next = held_next_.data();
+    a.prediction = static_cast<Arithmetic>(prediction_);
     return a;
 }
 
@@ -476,10 +509,30 @@ void FluidOf<Record>::sort_part(std::size_t part, bool forces_follow) {
     for (std::int32_t i = part_[part]; i < part_[part + 1]; ++i) {
         const std::int32_t place = next[plain::kept_cell(cell_of_.data(), from, i)]++;
         to[place] = from[i];
+        if (predicts_) {
+            std::copy_n(held_next_.data() + 4 * static_cast<std::size_t>(i), 4,
+                        held_.data() + 4 * static_cast<std::size_t>(place));
+        }
         cast_shadow(from[i], place);
         if (bonded_ != nullptr && forces_follow) {
             place_bonded(from[i]);
         }
+    }
+}
+
+// Puts what is held for the beads of one cell into the order of their ids.
+template <class Record>
+void FluidOf<Record>::order_held(std::int32_t begin, std::int32_t end) {
+    std::vector<std::pair<std::uint32_t, std::array<Fixed, 4>>> beads;
+    for (std::int32_t i = begin; i < end; ++i) {
+        std::array<Fixed, 4> held{};
+        std::copy_n(held_.data() + 4 * static_cast<std::size_t>(i), 4, held.begin());
+        beads.emplace_back(sorted_.data()[i].tag & id_mask, held);
+    }
+    std::sort(beads.begin(), beads.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (std::int32_t i = begin; i < end; ++i) {
+        const std::array<Fixed, 4>& held = beads[static_cast<std::size_t>(i - begin)].second;
+        std::copy_n(held.begin(), 4, held_.data() + 4 * static_cast<std::size_t>(i));
     }
 }
 
@@ -491,6 +544,9 @@ void FluidOf<Record>::order_cells(std::int32_t begin, std::int32_t end) {
     for (std::int32_t cell = begin * grid_.counts[0]; cell < end * grid_.counts[0]; ++cell) {
         Record* first = sorted_.data() + start[cell];
         Record* last = sorted_.data() + start[cell + 1];
+        if (predicts_) {
+            order_held(start[cell], start[cell + 1]);
+        }
         std::sort(first, last, [](const Record& a, const Record& b) { return (a.tag & id_mask) < (b.tag & id_mask); });
         for (std::int32_t i = start[cell]; i < start[cell + 1]; ++i) {
             cast_shadow(sorted_.data()[i], i);
@@ -677,9 +733,9 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
     observe_totals(totals);
 }
 
-// Σ m v_a v_b of the momenta between two force evaluations, which are those after the drag and noise in the middle.
+// Σ m v_a v_b of the momenta between two force evaluations; with drag and noise in the middle, of those after them.
 template <class Record>
-Matrix3 FluidOf<Record>::middle_kinetic() const {
+Matrix3 FluidOf<Record>::half_step_kinetic() const {
     Matrix3 tensor = Matrix3::Zero();
     for (std::size_t place = 0; place < beads_; ++place) {
         const Record& bead = sorted_.data()[place];
@@ -687,8 +743,13 @@ Matrix3 FluidOf<Record>::middle_kinetic() const {
         if (kind.frozen) {
             continue;
         }
-        const Vector3 momentum(static_cast<double>(bead.px) * axis_unit(0), static_cast<double>(bead.py) * axis_unit(1),
-                               static_cast<double>(bead.pz) * axis_unit(2));
+        const std::array<Fixed, 3> ahead{bead.px, bead.py, bead.pz};
+        Vector3 momentum;
+        for (Eigen::Index axis = 0; axis < 3; ++axis) {
+            const auto k = static_cast<std::size_t>(axis);
+            const Fixed held = predicts_ ? held_.data()[4 * place + k] : Fixed{0};
+            momentum[axis] = static_cast<double>(ahead[k] - held) * axis_unit(axis);
+        }
         tensor += momentum * momentum.transpose() / kind.mass;
     }
     return tensor;
@@ -799,8 +860,8 @@ void FluidOf<Record>::run(State& state, const StepSettings& settings, std::uint6
     }
     take(state, settings, true);
     passes(state, settings, steps, false, totals);
-    if (middle_) {
-        totals.kinetic = middle_kinetic();
+    if (middle_ || half_kinetic_) {
+        totals.kinetic = half_step_kinetic();
     }
     give_motion(state);
     give_forces(state);
@@ -872,9 +933,8 @@ std::string refusal(const Box& box, const Particles& particles, const PairTable&
     if (settings.schedule.varies()) {
         return "the temperature varies";
     }
-    if (settings.drag &&
-        (settings.weight_exponent != 2.0 || (settings.order == Order::velocity_verlet && settings.prediction != 0.5))) {
-        return "the weight exponent is not 2 or lambda is not 1/2";
+    if (settings.drag && settings.weight_exponent != 2.0) {
+        return "the weight exponent is not 2";
     }
     if (settings.remove_drift) {
         return "the drift is removed in every step";

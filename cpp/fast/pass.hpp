@@ -266,6 +266,34 @@ inline void estimate_momenta(const PassArguments<Record>& a, const Workspace<Rec
     }
 }
 
+// Takes the prediction of the last step out of the impulses and keeps that of the next one.
+template <class Record>
+inline void take_prediction(const PassArguments<Record>& a, Workspace<Record>& work, int32_t begin, int32_t end) {
+    using Real = typename Record::Arithmetic;
+    using Fixed = typename Record::Fixed;
+    for (int32_t i = begin; i < end; ++i) {
+        const bool frozen = a.drift[a.sorted[i].tag >> kind_shift] == Real(0);
+        for (int axis = 0; axis < 3; ++axis) {
+            const int64_t at = 4 * static_cast<int64_t>(i) + axis;
+            Fixed& impulse = work.impulse[4 * (i - begin) + axis];
+            a.held_next[at] =
+                frozen ? Fixed(0) : static_cast<Fixed>(nearest(static_cast<Real>(impulse) * a.prediction));
+            impulse = wrapped_difference(impulse, a.held[at]);
+        }
+    }
+}
+
+template <class Record>
+inline void add_prediction(const PassArguments<Record>& a, int32_t begin, int32_t end) {
+    for (int32_t i = begin; i < end; ++i) {
+        const typename Record::Fixed* held = a.held_next + 4 * static_cast<int64_t>(i);
+        Record& out = a.advanced[i];
+        out.px = wrapped_sum(out.px, held[0]);
+        out.py = wrapped_sum(out.py, held[1]);
+        out.pz = wrapped_sum(out.pz, held[2]);
+    }
+}
+
 // Everything a piece of beads still needs once its impulses are known: kept (last step), or used.
 template <bool last, class Lanes, class Record>
 DLPOLY_INLINE void finish_beads(PassArguments<Record>& a, typename Lanes::Advance& advance, Workspace<Record>& work,
@@ -274,11 +302,14 @@ DLPOLY_INLINE void finish_beads(PassArguments<Record>& a, typename Lanes::Advanc
         add_bonded(a, work, begin, end);
     }
     if (!last && a.stage != Stage::advance) {
-        if (a.stage != Stage::advance_held) {
+        if (a.stage == Stage::predict) {
+            take_prediction(a, work, begin, end);
+        } else if (a.stage == Stage::advance_held) {
+            add_held(a, work, begin, end);
+        } else {
             estimate_momenta(a, work, begin, end);
             return;
         }
-        add_held(a, work, begin, end);
     }
     if constexpr (last) {
         for (int32_t i = begin; i < end; ++i) {
@@ -300,6 +331,9 @@ DLPOLY_INLINE void finish_beads(PassArguments<Record>& a, typename Lanes::Advanc
         Lanes::bead_words(work.tag, work.word, end - begin, a.word_key);
         for (int32_t i = begin; i < end; ++i) {
             advanced[i].word = work.word[i - begin];
+        }
+        if (a.stage == Stage::predict) {
+            add_prediction(a, begin, end);
         }
     }
 }

@@ -64,10 +64,11 @@ enum class Precision {
 
 struct StepSettings {
     Precision precision = Precision::double_precision;
-    double timestep = 0.0;         // ps
-    double thermal_energy = 0.0;   // k_B T, internal energy
-    double weight_exponent = 2.0;  // s of w^D = (1 − r/r_c)^s
-    double prediction = 0.5;       // Groot–Warren's λ
+    double timestep = 0.0;           // ps
+    double thermal_energy = 0.0;     // k_B T, internal energy
+    double weight_exponent = 2.0;    // s of w^D = (1 − r/r_c)^s
+    double prediction = 0.5;         // Groot–Warren's λ
+    bool half_step_kinetic = false;  // the kinetic energy of mdvv is that of the half-step velocities
     Order order = Order::velocity_verlet;
     TemperatureSchedule schedule;      // of thermal_energy
     double transverse_drag = 0.0;      // γ⊥/γ of sweeps

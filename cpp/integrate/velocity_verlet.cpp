@@ -2,6 +2,7 @@
 #include "integrate/velocity_verlet.hpp"
 
 #include "integrate/moves.hpp"
+#include "observe/kinetic.hpp"
 
 namespace dlpoly {
 
@@ -23,10 +24,15 @@ void VelocityVerlet::step(State& state, Forces& forces, const StepSettings& sett
         }
     }
     kick(particles, 0.5 * timestep);
+    std::optional<Matrix3> kinetic;
+    if (observe && settings.half_step_kinetic) {
+        kinetic = kinetic_tensor(particles);
+    }
     drift(state, timestep);
     advance_clock(state, settings);
     compute_forces(state, forces, settings, request_of(state, settings, observe),
                    predict ? predicted_ : particles.velocity, totals);
+    totals.kinetic = kinetic;
     kick(particles, 0.5 * timestep);
     finish_step(state, settings);
 }

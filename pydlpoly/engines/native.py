@@ -191,6 +191,7 @@ def _step_settings(scene: Scene, seed: int) -> _core.StepSettings:
     settings.prediction = dynamics.prediction
     settings.drag = dynamics.integrator != "nve"
     settings.order = _ORDERS[dynamics.integrator]
+    settings.half_step_kinetic = dynamics.half_step_kinetic
     settings.transverse_drag = dynamics.transverse_drag
     settings.collision_rate = dynamics.collision_rate
     settings.thermostat_coupling = dynamics.coupling

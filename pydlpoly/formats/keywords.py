@@ -168,6 +168,8 @@ _ENSEMBLE = (
     _option("ensemble_dpd_cutoff", "pair global", "pair",
             "range of the drag: each pair's own cutoff or the global one"),
     _float("ensemble_dpd_lambda", "number", "0.5", "Groot-Warren's prediction λ of the velocities"),
+    _option("ensemble_dpd_kinetic", "whole half", "whole",
+            "velocities that mdvv's kinetic temperature and stress are of: of the whole step or of the half step"),
     _float("ensemble_dpd_exponent", "number", "2.0", "exponent s of the drag's weight (1 - r/rc)^s"),
     _float("ensemble_dpd_transverse_drag", "number", "0.0", "drag across a pair's line, as a multiple of its drag"),
     _float("ensemble_dpd_rate", "rate", "0.0 ps^-1", "rate at which lowe-andersen and stoyanov-groot choose a pair; 0: "

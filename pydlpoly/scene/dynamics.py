@@ -49,6 +49,8 @@ def resolve_dynamics(settings: Settings, reduced: bool, notes: Notes) -> Dynamic
             raise settings.refusal(keyword, f"{expected}, not {value:g}")
         changes: dict[str, Any] = {name: value}
         dynamics = replace(dynamics, **changes)
+    if "ensemble_dpd_kinetic" in taken:
+        dynamics = replace(dynamics, half_step_kinetic=settings.word("ensemble_dpd_kinetic") == "half")
     schedule, thermal_energy = _schedule(settings, BOLTZMANN * temperature)
     return replace(dynamics, schedule=schedule, thermal_energy=thermal_energy)
 

@@ -145,6 +145,8 @@ def _parameters_of(scene: Scene) -> list[str]:
         "ensemble_dpd_tolerance": f"iterated until the kinetic energy changes by less than {dynamics.tolerance:g}",
         "ensemble_dpd_passes": f"passes over the pairs in the middle of the drift: {dynamics.passes}",
     }
+    if dynamics.half_step_kinetic:
+        texts["ensemble_dpd_kinetic"] = "kinetic temperature and stress are of the half-step velocities"
     if dynamics.interval > 1:
         texts["ensemble_dpd_interval"] = f"thermostat {_every(dynamics.interval)}, for as many steps at once"
     if dynamics.transverse_drag:

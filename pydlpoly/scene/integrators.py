@@ -38,7 +38,7 @@ def _info(name: str, kind: str, about: str, *keywords: str) -> tuple[str, Integr
 INTEGRATORS: dict[str, IntegratorInfo] = dict(
     [
         _info("mdvv", "forces", "velocity Verlet with pairwise drag and noise (Groot and Warren)",
-              "ensemble_dpd_lambda"),
+              "ensemble_dpd_lambda", "ensemble_dpd_kinetic"),
         _info("dpdvv", "forces", "the same, the drag computed once more from the whole step's velocities (DPD-VV)"),
         _info("scvv", "forces", "the same, velocities and drag iterated until they belong together (SC-VV)",
               "ensemble_dpd_tolerance"),

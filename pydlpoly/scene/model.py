@@ -173,6 +173,7 @@ class Dynamics:
         timestep: Δt in ps.
         thermal_energy: k_B T in internal energy units.
         prediction: Groot–Warren's λ (mdvv).
+        half_step_kinetic: the kinetic temperature and stress of mdvv are of the half-step velocities.
         weight_exponent: s of w^D = (1 − r/r_c)^s.
         transverse_drag: drag across the line of a pair as a multiple of its drag (sweeps).
         collision_rate: Γ of lowe-andersen and stoyanov-groot, 1/ps; 0 = ½γ/μ.
@@ -191,6 +192,7 @@ class Dynamics:
     thermal_energy: float
     prediction: float = 0.5
     weight_exponent: float = 2.0
+    half_step_kinetic: bool = False
     transverse_drag: float = 0.0
     collision_rate: float = 0.0
     coupling: float = 0.0
