@@ -169,11 +169,20 @@ class Order:
       middle
 
       nose_hoover_langevin
+
+      langevin
+
+      berendsen
+
+      hoover
     """
 
     __members__: typing.ClassVar[dict[str, Order]]
+    berendsen: typing.ClassVar[Order]
     dpdvv: typing.ClassVar[Order]
     first: typing.ClassVar[Order]
+    hoover: typing.ClassVar[Order]
+    langevin: typing.ClassVar[Order]
     lowe_andersen: typing.ClassVar[Order]
     middle: typing.ClassVar[Order]
     nose_hoover_langevin: typing.ClassVar[Order]
@@ -278,6 +287,10 @@ class StepSettings:
     def regauss_every(self) -> int: ...
     @regauss_every.setter
     def regauss_every(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def relaxation(self) -> float: ...
+    @relaxation.setter
+    def relaxation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
     @property
     def rescale_every(self) -> int: ...
     @rescale_every.setter
@@ -450,6 +463,11 @@ class System:
         """
     @thermostat.setter
     def thermostat(self, arg1: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None: ...
+    @property
+    def thermostat_energy(self) -> float:
+        """
+        What a Nosé–Hoover thermostat adds to the conserved energy.
+        """
     @property
     def time(self) -> float: ...
     @time.setter

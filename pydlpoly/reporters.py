@@ -74,7 +74,8 @@ def _statistics_record(simulation: Simulation, seen: Observation) -> StatisticsR
     return StatisticsRecord(
         step=seen.step,
         time=seen.time,
-        extended_energy=seen.energy["total"] / units.factor,
+        extended_energy=(seen.energy["total"] + seen.energy["thermostat"]) / units.factor,
+        conserved_term=seen.energy["thermostat"] / units.factor,
         temperature=seen.temperature,
         configurational_energy=seen.energy["potential"] / units.factor,
         short_range_energy=seen.energy["pair"] / units.factor,

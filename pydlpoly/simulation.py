@@ -66,7 +66,8 @@ class Observation:
 
     Attributes:
         energy: by component: "pair", "bond", "angle", "dihedral", "inversion", "tether", "potential" (all of these),
-            "kinetic" and "total" (potential and kinetic).
+            "kinetic", "total" (potential and kinetic) and "thermostat" (what hoover's variable holds; its sum
+            with total is conserved).
         stress: (3, 3) pressure tensor in the pressure unit, all parts.
         stress_parts: the same by part: "kinetic", "conservative" (pairs), "drag", "noise", "bonded".
         virial: −Σ r·F of all forces; ``pair_virial``: of the conservative pair forces alone.
@@ -442,6 +443,7 @@ class Simulation:
             volume=float(arrays["totals.volume"]),
             bonded_energies=arrays["totals.bonded_energies"],
             bonded=arrays["totals.bonded"],
+            thermostat_energy=float(arrays["totals.thermostat_energy"]),
         )
         system.forces = arrays["forces"]
         system.images = arrays["images"]
@@ -484,6 +486,7 @@ def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Obse
             "potential": potential,
             "kinetic": kinetic,
             "total": potential + kinetic,
+            "thermostat": totals.thermostat_energy,
         },
         temperature=temperature,
         pressure=float(np.trace(stress)) / 3.0,

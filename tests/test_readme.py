@@ -107,7 +107,7 @@ def test_bonded_terms() -> None:
 @pytest.mark.parametrize(
     ("subject", "file", "before", "after", "message"),
     [
-        ("ensembles", "CONTROL", "dpd\n", "hoover\n", "not modelled"),
+        ("ensembles", "CONTROL", "dpd\n", "evans\n", "not modelled"),
         ("ensembles", "CONTROL", "nvt", "npt", "not modelled"),
         ("ensembles", "CONTROL", "nvt", "nst", "not modelled"),
         ("pair laws", "FIELD", "dpd  25.0", "mdpd 25.0", "not a pair law"),

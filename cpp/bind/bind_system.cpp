@@ -13,6 +13,7 @@
 #include "bind/bind.hpp"
 #include "core/threads.hpp"
 #include "integrate/equilibration.hpp"
+#include "integrate/nose_hoover.hpp"
 #include "integrate/system.hpp"
 #include "observe/configurational.hpp"
 #include "observe/kinetic.hpp"
@@ -157,7 +158,10 @@ void bind_system(py::module_& m) {
         .value("ou", Order::ou)
         .value("ou_middle", Order::ou_middle)
         .value("middle", Order::middle)
-        .value("nose_hoover_langevin", Order::nose_hoover_langevin);
+        .value("nose_hoover_langevin", Order::nose_hoover_langevin)
+        .value("langevin", Order::langevin)
+        .value("berendsen", Order::berendsen)
+        .value("hoover", Order::hoover);
 
     py::class_<TemperatureSchedule>(m, "TemperatureSchedule", "k_B T against time; see step_settings.hpp.")
         .def(py::init<>())
@@ -183,6 +187,7 @@ void bind_system(py::module_& m) {
         .def_readwrite("thermostat_coupling", &StepSettings::thermostat_coupling)
         .def_readwrite("thermostat_mass", &StepSettings::thermostat_mass)
         .def_readwrite("thermostat_friction", &StepSettings::thermostat_friction)
+        .def_readwrite("relaxation", &StepSettings::relaxation)
         .def_readwrite("tolerance", &StepSettings::tolerance)
         .def_readwrite("passes", &StepSettings::passes)
         .def_readwrite("thermostat_every", &StepSettings::thermostat_every)
@@ -318,6 +323,9 @@ void bind_system(py::module_& m) {
                 return std::pair<double, double>{found.squared_force, found.curvature};
             },
             py::call_guard<py::gil_scoped_release>(), "Σ|∇U|² and Σ∇²U over the mobile beads at the present positions.")
+        .def_property_readonly(
+            "thermostat_energy", [](const System& s) { return thermostat_energy(s.state, s.settings); },
+            "What a Nosé–Hoover thermostat adds to the conserved energy.")
         .def_property_readonly("momentum", [](const System& s) { return momentum(s.state.particles); })
         .def_property_readonly("cell_counts", [](System& s) { return s.forces.pairs().cells().counts(); })
         .def("enable_distances", &System::enable_distances, py::arg("reach"), py::arg("bins"), py::arg("every"),

@@ -3,8 +3,11 @@
 
 #include <stdexcept>
 
+#include "integrate/berendsen.hpp"
 #include "integrate/drag_recomputed.hpp"
+#include "integrate/langevin.hpp"
 #include "integrate/middle.hpp"
+#include "integrate/nose_hoover.hpp"
 #include "integrate/nose_hoover_langevin.hpp"
 #include "integrate/self_consistent.hpp"
 #include "integrate/splitting.hpp"
@@ -24,6 +27,12 @@ std::unique_ptr<Integrator> make_integrator(const StepSettings& settings) {
             return std::make_unique<Middle>();
         case Order::nose_hoover_langevin:
             return std::make_unique<NoseHooverLangevin>();
+        case Order::langevin:
+            return std::make_unique<Langevin>();
+        case Order::berendsen:
+            return std::make_unique<Berendsen>();
+        case Order::hoover:
+            return std::make_unique<NoseHoover>();
         case Order::zeroth:
         case Order::first:
         case Order::second:

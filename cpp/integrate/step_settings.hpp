@@ -24,6 +24,9 @@ enum class Order {
     ou_middle,
     middle,
     nose_hoover_langevin,
+    langevin,  // thermostats that act on single beads
+    berendsen,
+    hoover,
 };
 
 // A temperature that changes with time: straight lines between points, constant before and after them, or a sine.
@@ -76,6 +79,7 @@ struct StepSettings {
     double thermostat_coupling = 0.0;  // Stoyanov and Groot's α, Da/ps
     double thermostat_mass = 0.0;      // of Nosé and Hoover's variable, energy · ps² / …; see its integrator
     double thermostat_friction = 0.0;  // of the same variable, 1/ps
+    double relaxation = 0.0;           // time of Berendsen's and Hoover's thermostats, ps
     double tolerance = 1e-6;           // of the self-consistent iteration: relative change of the kinetic energy
     int passes = 3;                    // pair passes of the simultaneous middle step
     int thermostat_every = 1;          // steps between two thermostat steps of the middle schemes

@@ -16,7 +16,7 @@ from pydlpoly import _core
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.explain import PLANS
-from pydlpoly.scene.integrators import INTEGRATORS
+from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
 from pydlpoly.scene.model import Bonded, PairTerm, Scene
 
 _PRECISIONS = {
@@ -24,7 +24,9 @@ _PRECISIONS = {
     "mixed": _core.Precision.mixed,
     "reference": _core.Precision.reference,
 }
-_ORDERS = {name: getattr(_core.Order, name.replace("-", "_")) for name in INTEGRATORS if name != "mdvv"}
+_ORDERS = {
+    name: getattr(_core.Order, name.replace("-", "_")) for name in (*INTEGRATORS, *THERMOSTATS) if name != "mdvv"
+}
 _ORDERS |= dict.fromkeys(("nve", "mdvv"), _core.Order.velocity_verlet)
 
 
@@ -49,6 +51,7 @@ class Totals:
     volume: float
     bonded_energies: FloatArray
     bonded: FloatArray
+    thermostat_energy: float = 0.0
 
 
 def default_threads() -> int:
@@ -134,6 +137,7 @@ class NativeEngine:
             volume=system.volume,
             bonded_energies=np.array(system.bonded_energies),
             bonded=np.array(system.bonded_virial_tensors),
+            thermostat_energy=float(system.thermostat_energy),
         )
 
     def configurational(self) -> tuple[float, float]:
@@ -159,7 +163,7 @@ def _pair_table(scene: Scene) -> _core.PairTable:
                 )
             elif term.law is not None:
                 table.set_law(a, b, term.law, list(term.parameters), term.cutoff, term.force_shift)
-            if term.drag > 0.0 and scene.dynamics.integrator != "nve":
+            if term.drag > 0.0 and is_pairwise(scene.dynamics.integrator):
                 table.set_drag(a, b, term.drag, term.noise, term.drag_cutoff)
         except ValueError as error:
             names = f"{scene.species[a]} {scene.species[b]}"
@@ -189,9 +193,10 @@ def _step_settings(scene: Scene, seed: int) -> _core.StepSettings:
     settings.thermal_energy = dynamics.thermal_energy
     settings.weight_exponent = dynamics.weight_exponent
     settings.prediction = dynamics.prediction
-    settings.drag = dynamics.integrator != "nve"
+    settings.drag = is_pairwise(dynamics.integrator)
     settings.order = _ORDERS[dynamics.integrator]
     settings.half_step_kinetic = dynamics.half_step_kinetic
+    settings.relaxation = dynamics.relaxation
     settings.transverse_drag = dynamics.transverse_drag
     settings.collision_rate = dynamics.collision_rate
     settings.thermostat_coupling = dynamics.coupling
@@ -259,9 +264,14 @@ def plan(scene: Scene) -> list[str]:
             f"pair arithmetic in {arithmetic} precision, exact integer sums: momentum is conserved to the bit",
             "noise: uniform, mixed from one random word a bead and step",
         ]
-    noise = (
-        "Gaussian, Philox4x32-10 for every pair" if precision == "reference" else "uniform, from beads' random words"
-    )
+    gaussian = "Gaussian, Philox4x32-10 for every pair"
+    info = INTEGRATORS.get(scene.dynamics.integrator)
+    if info is None:
+        noise = "of single beads, Philox4x32-10" if scene.dynamics.integrator == "langevin" else "none"
+    elif info.kind == "sweep":
+        noise = gaussian if precision == "reference" else "Gaussian, from beads' random words"
+    else:
+        noise = gaussian if precision == "reference" else "uniform, from beads' random words"
     return [
         f"general path: {reason}",
         "pair list of link cells, kept while no bead has crossed half its skin; the skin follows measured times",

@@ -110,7 +110,7 @@ _SHELLS = "ignored: a FIELD with core-shell units is refused"
 _CHECKPOINT = "ignored: the checkpoint has pydlpoly's own format"
 _METAL = "ignored: a FIELD with a metal block is refused"
 _CONSTRAINTS = "ignored: a FIELD with constraints is refused"
-_OTHER_NVT = "refused: NVT by a thermostat other than dpd"
+_OTHER_NVT = "refused: NVT by this thermostat"
 _ELECTROSTATICS = "refused: electrostatics"
 
 _RUN = (
@@ -156,7 +156,7 @@ _ENSEMBLE = (
                      "pmf": "refused: the ensemble pmf"}),
     _option("ensemble_method", "dpd evans langevin andersen berendsen hoover gentle ttm mtk", "", "thermostat of nvt",
             old="ensemble nvt dpds1|dpds2|mdvv|…",
-            effects={**dict.fromkeys(("evans", "langevin", "andersen", "berendsen", "hoover", "gentle"), _OTHER_NVT),
+            effects={**dict.fromkeys(("evans", "andersen", "gentle"), _OTHER_NVT),
                      "ttm": "refused: the two-temperature model", "mtk": "refused: constant pressure"}),
     _option("ensemble_dpd_order",
             "mdvv zeroth first second dpdvv scvv peters peters-first lowe-andersen stoyanov-groot ou ou-middle middle "
@@ -186,8 +186,8 @@ _ENSEMBLE = (
     _vector("temperature_values", "temperature", 0, "", "temperatures at temperature_times"),
     _float("temperature_amplitude", "temperature", "0.0 K", "half the height of a sine added to the temperature"),
     _float("temperature_period", "time", "0.0 ps", "period of that sine"),
-    _float("ensemble_thermostat_coupling", "time", "0.0 ps", "relaxation time of a thermostat", _THERMOSTAT),
-    _float("ensemble_thermostat_friction", "rate", "0.0 ps^-1", "friction of a Langevin thermostat", _THERMOSTAT),
+    _float("ensemble_thermostat_coupling", "time", "0.0 ps", "relaxation time of berendsen and hoover"),
+    _float("ensemble_thermostat_friction", "rate", "0.0 ps^-1", "friction of langevin"),
     _float("ensemble_thermostat_softness", "number", "0.0", "softness of Andersen's thermostat", _THERMOSTAT),
     _float("ensemble_barostat_coupling", "time", "0.0 ps", "relaxation time of a barostat", _BAROSTAT),
     _float("ensemble_barostat_friction", "rate", "0.0 ps^-1", "friction of a Langevin barostat", _BAROSTAT),

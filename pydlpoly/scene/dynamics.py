@@ -12,14 +12,15 @@ import numpy as np
 from pydlpoly.formats.keywords import KEYWORDS
 from pydlpoly.formats.records import Configuration, FloatArray
 from pydlpoly.scene.beads import Layout
-from pydlpoly.scene.integrators import INTEGRATORS
+from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
 from pydlpoly.scene.model import Dynamics, ExternalTerm, PairTerm, Precision, RunPlan, Schedule, Start
 from pydlpoly.scene.settings import Notes, Settings, place
 from pydlpoly.units import BOLTZMANN
 
 _AVAILABLE = {
-    "new": "available are ensemble nve, and ensemble nvt with ensemble_method dpd and an ensemble_dpd_order",
-    "old": "available are ensemble nve, and ensemble nvt mdvv and the other orders of DPD",
+    "new": "available are ensemble nve, and ensemble nvt with ensemble_method langevin, berendsen, hoover, or dpd and "
+    "an ensemble_dpd_order",
+    "old": "available are ensemble nve, and ensemble nvt langevin, berendsen, hoover, mdvv and the other orders of DPD",
 }
 
 
@@ -34,18 +35,20 @@ def resolve_dynamics(settings: Settings, reduced: bool, notes: Notes) -> Dynamic
         raise settings.refusal("timestep", f"the timestep must be above 0 ps, not {timestep:g}")
     temperature = _temperature(settings, reduced, notes)
     precision = cast(Precision, settings.word("precision"))
-    if not _is_dpd(settings):
-        return Dynamics("nve", timestep, BOLTZMANN * temperature, precision=precision)
-    order = settings.word("ensemble_dpd_order")
-    if temperature == 0.0:
-        notes.choice("the DPD thermostat has temperature 0: drag only, no noise", settings.where("temperature"))
-    taken = INTEGRATORS[order].keywords
+    order = _integrator(settings)
     dynamics = Dynamics(order, timestep, BOLTZMANN * temperature, precision=precision)
+    if order == "nve":
+        return dynamics
+    if temperature == 0.0 and is_pairwise(order):
+        notes.choice("the DPD thermostat has temperature 0: drag only, no noise", settings.where("temperature"))
+    taken = (INTEGRATORS | THERMOSTATS)[order].keywords
     for keyword, (name, check, expected) in _PARAMETERS.items():
         if keyword not in taken:
             continue
         value = settings.integer(keyword) if KEYWORDS[keyword].kind == "int" else settings.number(keyword)
         if not check(value):
+            if not settings.given(keyword):
+                raise settings.refusal("ensemble_method", f"{order} needs {keyword}: {expected}")
             raise settings.refusal(keyword, f"{expected}, not {value:g}")
         changes: dict[str, Any] = {name: value}
         dynamics = replace(dynamics, **changes)
@@ -57,6 +60,8 @@ def resolve_dynamics(settings: Settings, reduced: bool, notes: Notes) -> Dynamic
 
 _PARAMETERS: dict[str, tuple[str, Callable[[float], bool], str]] = {
     "ensemble_dpd_lambda": ("prediction", lambda x: 0.0 <= x <= 1.0, "Groot and Warren's lambda lies in 0 to 1"),
+    "ensemble_thermostat_friction": ("thermostat_friction", lambda x: x > 0.0, "the friction must be above 0"),
+    "ensemble_thermostat_coupling": ("relaxation", lambda x: x > 0.0, "the relaxation time must be above 0"),
     "ensemble_dpd_exponent": (
         "weight_exponent",
         lambda x: x > 0.0,
@@ -130,23 +135,25 @@ def _temperature(settings: Settings, reduced: bool, notes: Notes) -> float:
     return temperature
 
 
-def _is_dpd(settings: Settings) -> bool:
-    """Tell nve from the DPD thermostat; everything else is refused by name."""
+def _integrator(settings: Settings) -> str:
+    """Return the name of the integrator; what is not modelled is refused by name."""
     ensemble = settings.word("ensemble")
     if ensemble == "nve":
-        return False
+        return "nve"
     available, method = _AVAILABLE[settings.style], settings.word("ensemble_method")
-    if ensemble != "nvt" or method not in ("", "dpd"):
+    if ensemble != "nvt" or method not in ("", "dpd", *THERMOSTATS):
         keyword = "ensemble" if ensemble != "nvt" else "ensemble_method"
         name = f"ensemble {ensemble} {method}".strip()
         raise settings.refusal(keyword, f"{name} is not modelled; {available}")
     if method == "":
         raise settings.refusal("ensemble", f"ensemble nvt needs a thermostat; {available}")
+    if method in THERMOSTATS:
+        return method
     order = settings.word("ensemble_dpd_order")
     if order == "off":
         keyword = "ensemble_dpd_order" if settings.given("ensemble_dpd_order") else "ensemble_method"
         raise settings.refusal(keyword, f"the DPD thermostat needs ensemble_dpd_order; {available}")
-    return True
+    return order
 
 
 def check_limits(dynamics: Dynamics, pairs: tuple[PairTerm, ...], layout: Layout, settings: Settings) -> None:
@@ -287,11 +294,12 @@ def settle_momentum(
 
     The three momenta of the centre of mass do not count when they are 0 and stay 0: under nve because the drift is
     removed, under the DPD thermostat, which conserves them by itself, unless frozen beads or external fields feed them.
+    Langevin dynamics feeds them in every step, so that there, too, the drift is removed.
     """
     mobile = int(np.count_nonzero(~layout.frozen))
     disturbed = bool(external) or mobile < len(layout.frozen)
     fixed = settings.switch("fixed_com")
-    if fixed and dynamics.integrator != "nve" and disturbed:
+    if fixed and is_pairwise(dynamics.integrator) and disturbed:
         cause = "external fields" if external else "frozen beads"
         notes.choice(
             f"fixed_com: the DPD thermostat does not remove the drift that {cause} bring about, so all {3 * mobile} "
@@ -302,7 +310,8 @@ def settle_momentum(
     degrees = max(0, 3 * mobile - (3 if fixed else 0))
     if degrees < 1:
         notes.warning("no degree of freedom is left: the temperature is reported as 0")
-    return replace(dynamics, remove_drift=fixed and dynamics.integrator == "nve" and disturbed), degrees
+    fed = disturbed or dynamics.integrator == "langevin"
+    return replace(dynamics, remove_drift=fixed and not is_pairwise(dynamics.integrator) and fed), degrees
 
 
 def start_velocities(

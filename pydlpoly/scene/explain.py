@@ -11,7 +11,7 @@ import numpy as np
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene import explain_bonded
 from pydlpoly.scene.cell import widths
-from pydlpoly.scene.integrators import INTEGRATORS
+from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
 from pydlpoly.scene.laws import pair_laws
 from pydlpoly.scene.model import Note, PairTerm, Scene
 from pydlpoly.units import BOLTZMANN
@@ -119,6 +119,16 @@ def _dynamics(scene: Scene) -> list[str]:
         temperature = f"temperature {kelvin:.9g} K, {temperature} (10 J/mol)"
     if dynamics.integrator == "nve":
         lines = ["nve: velocity Verlet, no thermostat", f"{temperature}, for drawn or scaled velocities only"]
+    elif dynamics.integrator in THERMOSTATS:
+        lines = [f"{dynamics.integrator}: {THERMOSTATS[dynamics.integrator].about}", temperature]
+        if dynamics.integrator == "langevin":
+            lines.append(
+                f"friction {dynamics.thermostat_friction:g}" + (f" 1/{word.time.strip()}" if word.time else "")
+            )
+        else:
+            lines.append(f"relaxation time {dynamics.relaxation:g}{word.time}")
+        if dynamics.schedule is not None:
+            lines += _wrap(_schedule_text(scene))
     else:
         exponent = dynamics.weight_exponent
         lines = [
@@ -187,7 +197,7 @@ def _schedule_text(scene: Scene) -> str:
 
 def _pairs(scene: Scene) -> list[str]:
     units, word = scene.field_units or scene.units, _Words(scene)
-    thermostat = scene.dynamics.integrator != "nve"
+    thermostat = is_pairwise(scene.dynamics.integrator)
     headers = ["pair", "law", "parameters", "ends at", *(["drag", "noise", "drag ends at"] if thermostat else [])]
     rows, texts = [], []
     for term in scene.pairs:
@@ -340,7 +350,7 @@ def _absent(scene: Scene) -> list[str]:
     absent = ["electrostatics"] if scene.bonded is not None else ["bonded terms", "electrostatics"]
     if all(term.law is None for term in scene.pairs):
         absent.append("conservative pair forces")
-    if scene.dynamics.integrator == "nve":
+    if not is_pairwise(scene.dynamics.integrator):
         absent.append("drag and noise")
     if not scene.external:
         absent.append("external fields")

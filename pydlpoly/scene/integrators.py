@@ -62,3 +62,19 @@ INTEGRATORS: dict[str, IntegratorInfo] = dict(
     ]
 )  # fmt: skip
 """Every DPD integrator by name."""
+
+THERMOSTATS: dict[str, IntegratorInfo] = {
+    name: IntegratorInfo(name, about, "beads", frozenset({keyword}))
+    for name, about, keyword in (
+        ("langevin", "Langevin dynamics: friction and noise of single beads in the middle of the drift",
+         "ensemble_thermostat_friction"),
+        ("berendsen", "velocity Verlet with Berendsen's weak coupling", "ensemble_thermostat_coupling"),
+        ("hoover", "velocity Verlet with a Nosé-Hoover thermostat", "ensemble_thermostat_coupling"),
+    )
+}  # fmt: skip
+"""Thermostats of single beads, by ``ensemble_method``."""
+
+
+def is_pairwise(integrator: str) -> bool:
+    """Whether the integrator has drag and noise between pairs."""
+    return integrator in INTEGRATORS

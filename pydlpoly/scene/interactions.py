@@ -11,6 +11,7 @@ from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import ExternalLine, Field, PairTable
 from pydlpoly.scene.beads import Layout
 from pydlpoly.scene.cell import LONGEST
+from pydlpoly.scene.integrators import is_pairwise
 from pydlpoly.scene.laws import pair_laws
 from pydlpoly.scene.model import Dynamics, ExternalTerm, PairTerm
 from pydlpoly.scene.pairs import PairRules, PairTableBuilder
@@ -119,7 +120,7 @@ def _pair_rules(settings: Settings, dynamics: Dynamics, cutoff: float, vdw_cutof
         notes.warning("vdw_method off: no conservative pair forces", settings.where("vdw_method"))
     rules = PairRules(
         mixing=None if mixing == "off" else mixing,
-        thermostat=dynamics.integrator != "nve",
+        thermostat=is_pairwise(dynamics.integrator),
         fill_drag=None,
         override_drag=False,
         fill_where=settings.where("ensemble_dpd_drag"),

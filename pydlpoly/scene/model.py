@@ -169,7 +169,7 @@ class Dynamics:
     """How a step is taken.
 
     Attributes:
-        integrator: "nve" or a name of ``pydlpoly.scene.integrators.INTEGRATORS``.
+        integrator: "nve", or a name of ``INTEGRATORS`` or ``THERMOSTATS`` of ``pydlpoly.scene.integrators``.
         timestep: Δt in ps.
         thermal_energy: k_B T in internal energy units.
         prediction: Groot–Warren's λ (mdvv).
@@ -180,8 +180,9 @@ class Dynamics:
         coupling: α of stoyanov-groot, Da/ps.
         tolerance: of scvv's iteration, relative change of the kinetic energy.
         passes: over the pairs in the middle step; ``interval``: steps between thermostat steps of the middle schemes.
+        relaxation: of berendsen and hoover, ps.
         thermostat_mass: in units of degrees of freedom times k_B T/γ²; ``thermostat_friction``: 1/ps
-            (nose-hoover-langevin).
+            (nose-hoover-langevin, langevin).
         schedule: the temperature where it varies with time.
         remove_drift: whether the centre-of-mass velocity of the mobile beads is removed in every step.
         precision: arithmetic of the pair forces, "double", "mixed" or "reference".
@@ -199,6 +200,7 @@ class Dynamics:
     tolerance: float = 1e-6
     passes: int = 3
     interval: int = 1
+    relaxation: float = 0.0
     thermostat_mass: float = 1.0
     thermostat_friction: float = 1.0
     schedule: Schedule | None = None

@@ -228,7 +228,7 @@ OLD_STYLE = [
     ),
     (
         "ensemble nvt hoover",
-        "CONTROL:2: 'ensemble': a number is expected after this directive (relaxation time of a thermostat)",
+        "CONTROL:2: 'ensemble': a number is expected after this directive (relaxation time of berendsen and hoover)",
     ),
     (
         "ensemble nvt ttm 1 2 3",

@@ -44,11 +44,15 @@ def test_every_used_keyword_is_asked_for(make, readings):
     orders = [name for name in KEYWORDS["ensemble_dpd_order"].options if name not in ("mdvv", "off")]
     for order in orders:
         make(control={"ensemble_dpd_order": order}).scene()
+    for method, keyword in (("langevin", "friction"), ("berendsen", "coupling"), ("hoover", "coupling")):
+        unit = "dpd_t^-1" if keyword == "friction" else "dpd_t"
+        number = {f"ensemble_thermostat_{keyword}": f"1 {unit}"}
+        make(control={"ensemble_method": method, "ensemble_dpd_order": None, **number}).scene()
     make(control={"temperature_times": "[ 0 1 ] dpd_t", "temperature_values": "[ 1 2 ] dpd_temp"}).scene()
     make(control={"temperature_amplitude": "0.5 dpd_temp", "temperature_period": "1 dpd_t"}).scene()
     consumed = set().union(*(settings.consumed for settings in readings))
     used = {row.keyword for row in KEYWORDS.values() if is_used(row)}
-    assert len(readings) == 4 + len(orders)
+    assert len(readings) == 7 + len(orders)
     assert used - consumed == set()
     assert consumed - used - {"coul_method"} == set()  # nothing that the table calls ignored or refused is read
 

@@ -13,16 +13,19 @@ from pydlpoly.formats.field import parse_field
 from pydlpoly.formats.records import PairLine
 from pydlpoly.scene import resolve
 
-AVAILABLE = "available are ensemble nve, and ensemble nvt with ensemble_method dpd and an ensemble_dpd_order"
+AVAILABLE = (
+    "available are ensemble nve, and ensemble nvt with ensemble_method langevin, berendsen, hoover, or dpd and "
+    "an ensemble_dpd_order"
+)
 
 CASES = {
     "ensemble_npt": (
         {"control": {"ensemble": "npt"}},
         f"CONTROL:2: 'ensemble': ensemble npt dpd is not modelled; {AVAILABLE}",
     ),
-    "ensemble_langevin": (
-        {"control": {"ensemble_method": "langevin"}},
-        f"CONTROL:3: 'ensemble_method': ensemble nvt langevin is not modelled; {AVAILABLE}",
+    "ensemble_andersen": (
+        {"control": {"ensemble_method": "andersen"}},
+        f"CONTROL:3: 'ensemble_method': ensemble nvt andersen is not modelled; {AVAILABLE}",
     ),
     "ensemble_nvt_alone": (
         {"control": {"ensemble_method": None, "ensemble_dpd_order": None}},
