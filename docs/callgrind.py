@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+import pydlpoly
 from pydlpoly import Simulation
 from pydlpoly.bench import scenes
 from pydlpoly.bench.lammps_input import lammps_input
@@ -35,6 +36,15 @@ name, precision, state, steps = sys.argv[1:]
 simulation = Simulation(scenes.SCENES[name].build(), seed=1, threads=1, precision=precision)
 with np.load(state) as saved:
     simulation.set_state(positions=saved["positions"], velocities=saved["velocities"])
+simulation._engine.run(int(steps))
+"""
+# The same for a scene that an expression makes, from its random start.
+_ANY = """
+import sys
+from pydlpoly import Simulation
+from pydlpoly.bench import scenes
+expression, precision, steps = sys.argv[1:]
+simulation = Simulation(eval(expression), seed=1, threads=1, precision=precision)
 simulation._engine.run(int(steps))
 """
 _LAMMPS = """
@@ -85,10 +95,26 @@ def instructions(name: str, *, simd: str = "avx2", precision: str = "double", la
     return (more - few) / (MORE - FEW) / scene.bead_count
 
 
+def instructions_of(expression: str, beads: int, *, simd: str = "avx2", precision: str = "double") -> float:
+    """Return executed instructions for a bead and step of a scene that a Python expression in ``scenes`` makes.
+
+    Raises:
+        InputError: valgrind is missing, or the program ends with an error.
+    """
+    if shutil.which("valgrind") is None:
+        raise InputError("counting instructions needs valgrind")
+    environment = {**os.environ, "PYDLPOLY_SIMD": simd, "OMP_NUM_THREADS": "1"}
+    environment["PYTHONPATH"] = str(Path(pydlpoly.__file__).parents[1])  # this one, wherever the program starts
+    few, more = (_count([_ANY, expression, precision, str(steps)], environment) for steps in (FEW, MORE))
+    return (more - few) / (MORE - FEW) / beads
+
+
 def _count(command: list[str], environment: dict[str, str]) -> int:
     """Instructions that a Python program executes."""
     tool = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", sys.executable, *isolation(), "-c"]
-    done = subprocess.run([*tool, *command], env=environment, capture_output=True, text=True, check=False)
+    # Elsewhere: a program from -c looks for packages in its folder first, and a checkout has one without a core.
+    folder = tempfile.gettempdir()
+    done = subprocess.run([*tool, *command], env=environment, cwd=folder, capture_output=True, text=True, check=False)
     found = re.search(r"Collected : (\d+)", done.stderr)
     if done.returncode != 0 or found is None:
         raise InputError(f"valgrind ended with exit code {done.returncode}: {done.stderr.strip()[-500:]}")
