@@ -16,6 +16,7 @@ import pydlpoly
 from pydlpoly import _core
 from pydlpoly.cli import example_folder, example_names
 from pydlpoly.formats.control import read_control
+from pydlpoly.formats.diagnostics import COLUMNS
 from pydlpoly.formats.keywords import KEYWORDS, SYNONYMS, Keyword
 from pydlpoly.formats.statis import STATISTICS_NAMES
 from pydlpoly.units import (
@@ -161,6 +162,11 @@ def statis_columns() -> str:
     return table(["number", "name in Python", "DL_POLY's label", "kind"], rows)
 
 
+def diagnostics_columns() -> str:
+    """Return the columns of DIAGNOSTICS."""
+    return table(["name", "kind", "meaning"], ([code(c.name), c.kind, c.meaning] for c in COLUMNS))
+
+
 def energy_units() -> str:
     """Return FIELD's energy units."""
     rows = []
@@ -206,6 +212,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "pair-laws": pair_laws,
     "bonded-laws": bonded_laws,
     "statis-columns": statis_columns,
+    "diagnostics-columns": diagnostics_columns,
     "energy-units": energy_units,
     "constants": constants,
     "python-names": python_names,

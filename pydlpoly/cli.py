@@ -83,7 +83,7 @@ def run(
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress bar and no closing words.")] = False,
     lenient: Lenient = False,
 ) -> None:
-    """Run a simulation and write OUTPUT, STATIS, HISTORY, RDFDAT, REVCON and the checkpoint."""
+    """Run a simulation and write OUTPUT, STATIS, DIAGNOSTICS, HISTORY, RDFDAT, REVCON and the checkpoint."""
     if resume and seed is not None:
         raise typer.BadParameter("a run that continues keeps the seed of its checkpoint", param_hint="--seed")
     try:
@@ -247,6 +247,8 @@ def _closing_words(result: RunResult) -> None:
         f"step {simulation.step}: T = {temperature}, P = {pressure}, {rate:.2f} million bead-steps a second; "
         f"seed {simulation.seed}; files in {result.folder}"
     )
+    for doubt in summary.doubts:
+        typer.echo(f"warning: {doubt}", err=True)
 
 
 def _words_of_interrupted(result: RunResult, again: str) -> None:

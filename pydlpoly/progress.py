@@ -1,7 +1,8 @@
-"""The progress bar of a run: steps, rate, time left, temperature and pressure; only for a person at a terminal."""
+"""The progress bar of a run: steps, rate, time left, temperatures and pressure; only for a person at a terminal."""
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
 
 _REFRESH_SECONDS = 0.5
 _RATE_SECONDS = 10.0  # the rate is an average over so long: steady to the eye, but it follows a machine that slows down
+_CONFIGURATIONAL_SECONDS = 5.0  # the configurational temperature takes as long as some steps
+_CONFIGURATIONAL_SHARE = 0.02  # of the run's time at most
 
 
 class ProgressBar:
@@ -24,6 +27,8 @@ class ProgressBar:
     def __init__(self, simulation: Simulation, progress: Progress, task: TaskID) -> None:
         self._simulation, self._progress, self._task = simulation, progress, task
         self._shown = clock.perf_counter()
+        self._configurational_due = self._shown + _CONFIGURATIONAL_SECONDS
+        self._configurational_step: int | None = None
         self._past: deque[tuple[float, int]] = deque([(self._shown, simulation.step)])
 
     def __call__(self) -> None:
@@ -32,14 +37,31 @@ class ProgressBar:
             self.show()
 
     def show(self) -> None:
-        """Move the bar and print rate, temperature and pressure."""
+        """Move the bar and print rate, temperature and pressure, and the configurational temperature known last."""
         simulation = self._simulation
         seen, units = simulation.observe(), simulation.scene.units
         rate = f"{self._rate() * simulation.scene.bead_count / 1e6:.2f} M bead-steps/s"
         temperature = f"T {seen.temperature:.4g} {units.temperature_label}".rstrip()
         pressure = f"P {seen.pressure:.4g} {units.pressure_label}".rstrip()
-        note = "  ".join((rate, temperature, pressure))
+        note = "  ".join((rate, temperature, pressure, *self._configurational()))
         self._progress.update(self._task, completed=simulation.step, note=note)
+
+    def _configurational(self) -> list[str]:
+        """Nothing or the text of the configurational temperature, computed only when nobody has done so for a while."""
+        simulation, begin = self._simulation, clock.perf_counter()
+        known = simulation.last_configurational_temperature
+        if known is not None and known[0] != self._configurational_step:
+            self._configurational_due = max(self._configurational_due, begin + _CONFIGURATIONAL_SECONDS)
+        elif begin >= self._configurational_due:
+            value = simulation.configurational_temperature
+            end = clock.perf_counter()
+            known = simulation.step, value
+            pause = max(_CONFIGURATIONAL_SECONDS, (end - begin) / _CONFIGURATIONAL_SHARE)
+            self._configurational_due = end + pause
+        if known is None:
+            return []
+        self._configurational_step, value = known
+        return [] if math.isnan(value) else [f"Tconf {value:.4g} {simulation.scene.units.temperature_label}".rstrip()]
 
     def _rate(self) -> float:
         """Steps per second over the last seconds."""

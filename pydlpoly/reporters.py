@@ -1,4 +1,4 @@
-"""Reporters that write DL_POLY's files: OUTPUT, STATIS, HISTORY, RDFDAT, REVCON and the checkpoint.
+"""Reporters that write DL_POLY's files (OUTPUT, STATIS, HISTORY, RDFDAT, REVCON), DIAGNOSTICS and the checkpoint.
 
 A reporter is shown the simulation in the steps it asks for and never changes it. Energies and virials go out in FIELD's
 energy unit, temperatures and pressures in K and katm (reduced with ``units dpd``).
@@ -21,6 +21,7 @@ from pydlpoly.background import BackgroundWriter
 from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import atomic_file
 from pydlpoly.formats.config_writer import write_config_to
+from pydlpoly.formats.diagnostics import DiagnosticsWriter
 from pydlpoly.formats.history import HistoryWriter
 from pydlpoly.formats.output import OutputWriter, RollingAverages, RunningAverages, RunSummary
 from pydlpoly.formats.rdfdat import normalise_rdf, write_rdf
@@ -28,6 +29,7 @@ from pydlpoly.formats.records import Configuration, FloatArray
 from pydlpoly.formats.statis import STATISTICS_NAMES, StatisticsRecord, StatisticsWriter
 from pydlpoly.scene.model import Scene
 from pydlpoly.simulation import Observation, Simulation
+from pydlpoly.temperatures import EnergyDrift, TemperatureSamples
 
 _TENSORS = ("kinetic", "conservative", "drag", "noise", "bonded")
 
@@ -145,6 +147,51 @@ class StatisticsReporter:
         self._writer.close()
 
 
+class DiagnosticsReporter:
+    """Writes DIAGNOSTICS."""
+
+    def __init__(self, simulation: Simulation, path: Path, *, append: bool = False) -> None:
+        units = simulation.scene.units
+        self._every = simulation.scene.output.diagnostics_every
+        words = {"temperature": units.temperature_label, "energy": units.label, "pressure": units.pressure_label}
+        self._writer = DiagnosticsWriter(
+            path,
+            None if units.reduced else words,
+            append=append,
+            keep_until=simulation.step if append else None,
+        )
+        if not append:
+            self.report(simulation)
+
+    def next_step(self, step: int) -> int | None:
+        """Return the next multiple of ``diagnostics_frequency``."""
+        return every(step, self._every)
+
+    def report(self, simulation: Simulation) -> None:
+        """Write one record."""
+        seen, scene = simulation.observe(), simulation.scene
+        squared_force, laplacian = simulation.configurational()
+        record = {
+            "time": seen.time,
+            "kinetic_temperature": seen.temperature,
+            "configurational_temperature": simulation.configurational_temperature,
+            "squared_force": squared_force,
+            "laplacian": laplacian,
+            "energy": seen.energy["total"] / scene.units.factor / scene.bead_count,
+            **{f"pressure_{name}": float(np.trace(seen.stress_parts[name])) / 3.0 for name in _TENSORS},
+            **{f"momentum_{axis}": float(value) for axis, value in zip("xyz", seen.momentum, strict=True)},
+        }
+        self._writer.write(seen.step, record)
+
+    def sync(self) -> None:
+        """Force everything written so far to the disk."""
+        self._writer.sync()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._writer.close()
+
+
 class TrajectoryReporter:
     """Writes HISTORY, while the simulation goes on: see ``BackgroundWriter`` for when errors are raised."""
 
@@ -197,7 +244,8 @@ class TrajectoryReporter:
 class OutputReporter:
     """Writes OUTPUT and keeps the averages: rolling over the stack, and over all samples after equilibration.
 
-    Samples are taken in the steps of ``stats_frequency`` (``print_frequency`` when that is 0).
+    Samples are taken in the steps of ``stats_frequency`` (``print_frequency`` when that is 0); those of the kinetic and
+    the configurational temperature in the steps of ``print_frequency`` and ``diagnostics_frequency``.
 
     Args:
         simulation: the run.
@@ -223,6 +271,9 @@ class OutputReporter:
         self._columns = len(STATISTICS_NAMES) + len(scene.species)
         self._rolling = RollingAverages(output.stack_size, self._columns)
         self._averages = RunningAverages(self._columns + 9 * len(_TENSORS))
+        self._diagnostics_every = output.diagnostics_every
+        self._temperatures = TemperatureSamples(scene)
+        self._drift = EnergyDrift(scene)
         self._span = (0, 0)  # the averages cover the steps after the first number, up to the second
         self._begin = clock.perf_counter()
         self._first_step = simulation.step
@@ -238,6 +289,7 @@ class OutputReporter:
                 temperature_unit=units.temperature_label,
                 pressure_unit=units.pressure_label,
                 time_unit="" if units.reduced else "ps",
+                energy_unit=units.label,
                 stream=stream,
             )
             if append:
@@ -251,19 +303,29 @@ class OutputReporter:
 
     def next_step(self, step: int) -> int | None:
         """Return the next step that is printed or sampled."""
-        due = [n for n in (every(step, self._print_every), every(step, self._sample_every)) if n is not None]
-        return min(due, default=None)
+        intervals = (self._print_every, self._sample_every, self._diagnostics_every)
+        return min((due for n in intervals if (due := every(step, n)) is not None), default=None)
 
     def report(self, simulation: Simulation) -> None:
         """Sample and print what is due in this step."""
-        if self._sample_every > 0 and simulation.step % self._sample_every == 0:
+        step = simulation.step
+        prints = self._print_every > 0 and step % self._print_every == 0
+        if self._sample_every > 0 and step % self._sample_every == 0:
             self._sample(simulation)
-        if self._print_every > 0 and simulation.step % self._print_every == 0:
+        diagnosed = self._diagnostics_every > 0 and step % self._diagnostics_every == 0
+        if step > self._after and (prints or diagnosed):
+            self._temperatures.add(simulation)
+        if prints:
             self._print(simulation)
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return the averages for the checkpoint."""
-        parts = {"rolling": self._rolling.state(), "running": self._averages.state()}
+        parts = {
+            "rolling": self._rolling.state(),
+            "running": self._averages.state(),
+            "temperatures": self._temperatures.state(),
+            "drift": self._drift.state(),
+        }
         arrays = {f"{part}.{key}": value for part, state in parts.items() for key, value in state.items()}
         return {**arrays, "span": np.array(self._span, dtype=np.int64)}
 
@@ -275,6 +337,8 @@ class OutputReporter:
         tensors = mean[columns:].reshape(len(_TENSORS), 3, 3)
         elapsed = clock.perf_counter() - self._begin
         covered = self._span[1] - self._span[0]
+        doubt = self._temperatures.doubt()
+        doubts = [] if doubt is None else [doubt]
         summary = RunSummary(
             steps=simulation.step,
             time=simulation.time,
@@ -290,9 +354,14 @@ class OutputReporter:
                 if name != "bonded" or scene.bonded is not None
             },
             diffusion=_diffusion(simulation),
-            warnings=warnings,
+            warnings=[*warnings, *doubts],
             timings=timings,
             samples=self._averages.taken,
+            doubts=doubts,
+            kinetic_temperature=self._temperatures.kinetic(),
+            configurational_temperature=self._temperatures.configurational(),
+            thermostat_temperature=self._temperatures.target,
+            energy_drift=self._drift.estimate(),
             loop_steps=simulation.step - self._first_step,
         )
         if self._writer is not None:
@@ -307,11 +376,12 @@ class OutputReporter:
     def _restore(self, stored: dict[str, NDArray[Any]]) -> None:
         if not stored:
             return
-        rolling, running = (
+        rolling, running, temperatures, drift = (
             {name.removeprefix(part): value for name, value in stored.items() if name.startswith(part)}
-            for part in ("rolling.", "running.")
+            for part in ("rolling.", "running.", "temperatures.", "drift.")
         )
-        if not {"stack", "taken"} <= rolling.keys() or "mean" not in running or "span" not in stored:
+        blocks = all({"counts", "sums"} <= state.keys() for state in (temperatures, drift))
+        if not {"stack", "taken"} <= rolling.keys() or "mean" not in running or "span" not in stored or not blocks:
             raise InputError("the checkpoint holds averages of another version of pydlpoly")
         stack, taken = rolling["stack"], int(rolling["taken"])
         if stack.shape[1] != self._columns or len(running["mean"]) != len(self._averages.mean()):
@@ -320,9 +390,15 @@ class OutputReporter:
         for k in range(max(0, taken - len(stack)), taken):
             self._rolling.add(stack[k % len(stack)])
         self._averages = RunningAverages.from_state(running)
+        try:
+            self._temperatures.restore(temperatures)
+            self._drift.restore(drift)
+        except ValueError as error:
+            raise InputError(f"the checkpoint holds averages of another version of pydlpoly: {error}") from error
         self._span = int(stored["span"][0]), int(stored["span"][1])
 
     def _sample(self, simulation: Simulation) -> None:
+        self._drift.add(simulation)
         values = statistics_record(simulation).values()
         self._rolling.add(values)
         if simulation.step > self._after:

@@ -19,7 +19,13 @@ from pathlib import Path
 from pydlpoly.errors import InputError, RunError
 from pydlpoly.formats.output import RunSummary
 from pydlpoly.interrupts import deferred_signals
-from pydlpoly.reporters import CheckpointReporter, OutputReporter, StatisticsReporter, TrajectoryReporter
+from pydlpoly.reporters import (
+    CheckpointReporter,
+    DiagnosticsReporter,
+    OutputReporter,
+    StatisticsReporter,
+    TrajectoryReporter,
+)
 from pydlpoly.scene.model import OutputPlan, Scene
 from pydlpoly.simulation import Simulation
 
@@ -60,8 +66,8 @@ def run_scene(
         folder: where the files go; made when it does not exist.
         steps: total number of steps in place of the scene's.
         threads, seed: as for ``Simulation``; a run that continues has the checkpoint's seed.
-        checkpoint: continue from this file instead of starting anew. STATIS and HISTORY are appended to; records of
-            steps after the checkpoint's are dropped first, since they are computed anew.
+        checkpoint: continue from this file instead of starting anew. STATIS, DIAGNOSTICS and HISTORY are appended to;
+            records of steps after the checkpoint's are dropped first, since they are computed anew.
         progress: show a progress bar on a terminal.
 
     Raises:
@@ -148,6 +154,7 @@ def _file_names(output: OutputPlan) -> list[str]:
     names = [
         None if output.output_file == _SCREEN else output.output_file,
         output.statistics_file if output.statistics_every > 0 else None,
+        output.diagnostics_file if output.diagnostics_every > 0 else None,
         output.trajectory_file if output.trajectory_every > 0 else None,
         output.rdf_file if output.rdf_every > 0 else None,
         output.configuration_file,
@@ -197,12 +204,16 @@ def _reporters(
     screen = output.output_file == _SCREEN
     path = folder / output.output_file if output.output_file is not None and not screen else None
     with ExitStack() as opened:
-        files: list[StatisticsReporter | TrajectoryReporter] = []
+        files: list[StatisticsReporter | DiagnosticsReporter | TrajectoryReporter] = []
         try:
             if output.statistics_every > 0:
                 statistics = StatisticsReporter(simulation, folder / output.statistics_file, append=append)
                 opened.callback(statistics.close)
                 files.append(statistics)
+            if output.diagnostics_every > 0:
+                diagnostics = DiagnosticsReporter(simulation, folder / output.diagnostics_file, append=append)
+                opened.callback(diagnostics.close)
+                files.append(diagnostics)
             if output.trajectory_every > 0:
                 trajectory = TrajectoryReporter(simulation, folder / output.trajectory_file, append=append)
                 opened.callback(trajectory.close)

@@ -333,7 +333,17 @@ class Simulation:
         the first time it is asked for in a step. Not a number where nothing acts or where it cannot be computed.
         Rugh, Phys. Rev. Lett. 78, 772 (1997).
         """
-        squared_force, curvature = self.configurational()
+        return self._temperature_of(*self.configurational())
+
+    @property
+    def last_configurational_temperature(self) -> tuple[int, float] | None:
+        """Step and value of the configurational temperature that was computed last; None when none was."""
+        if self._configurational is None:
+            return None
+        step, sums = self._configurational
+        return step, self._temperature_of(*sums)
+
+    def _temperature_of(self, squared_force: float, curvature: float) -> float:
         return squared_force / (curvature * self.scene.units.boltzmann) if curvature > 0.0 else float("nan")
 
     def configurational(self) -> tuple[float, float]:

@@ -29,6 +29,7 @@ COMMAND = [str(Path(sys.executable).with_name("pydlpoly"))]
 LONG = {
     "time_run": "200000 steps",
     "stats_frequency": "100 steps",
+    "diagnostics_frequency": "200 steps",
     "traj_interval": "500 steps",
     "print_frequency": "5000 steps",
     "rdf_frequency": "500 steps",
@@ -379,7 +380,7 @@ def uninterrupted(folder: Path, steps: int) -> Path:
 
 
 def compare(folder: Path, whole: Path) -> None:
-    for name in RESULTS:
+    for name in (*RESULTS, "DIAGNOSTICS"):
         assert (folder / name).read_bytes() == (whole / name).read_bytes(), name
 
 
@@ -417,6 +418,8 @@ def test_kill_leaves_whole_records_and_a_whole_checkpoint(tmp_path: Path) -> Non
         statis.write("    999999  1.0")  # a record that the kill cut
     with (folder / "HISTORY").open("ab") as history:
         history.write(b"timestep    999999")
+    with (folder / "DIAGNOSTICS").open("a") as diagnostics:
+        diagnostics.write("     999999  1.0")
     saved = pydlpoly.Simulation.resume(folder / "REVIVE", threads=1).step
     assert saved % 1000 == 0
     assert read_config(folder / "REVCON").step in (saved, saved + 1000)

@@ -275,6 +275,7 @@ _FORCES = (
 _REPORTS = (
     _steps("print_frequency", "0 steps", "interval of OUTPUT's lines; 0 = none", old="print [every] n"),
     _steps("stats_frequency", "0 steps", "interval of STATIS; 0 = none", old="stats [every] n"),
+    _steps("diagnostics_frequency", "0 steps", "interval of DIAGNOSTICS; 0 = none"),
     _steps("stack_size", "0 steps", "length of rolling averages, at least 100", old="stack [size] n"),
     _bool("traj_calculate", "off", "write HISTORY", old="trajectory start interval level"),
     _option("traj_key", "pos pos-vel pos-vel-force compressed", "pos", "what HISTORY holds",
@@ -300,6 +301,7 @@ _REPORTS = (
     _string("io_file_config", "CONFIG", "start configuration", old="io config name"),
     _string("io_file_field", "FIELD", "force field", old="io field name"),
     _string("io_file_statis", "STATIS", "statistics; NONE is special", old="io statis name"),
+    _string("io_file_diagnostics", "DIAGNOSTICS", "temperatures, drifts, pressure by part; NONE is special"),
     _string("io_file_history", "HISTORY", "trajectory; NONE is special", old="io history name"),
     _string("io_file_revive", "REVIVE", "checkpoint; NONE is special", old="io revive name, l_tor"),
     _string("io_file_revold", "REVOLD", "checkpoint to continue from", old="io revold name"),

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from pydlpoly.errors import RunError
 from pydlpoly.formats.atomic import FrameFile, PathLike
 from pydlpoly.formats.averages import RollingAverages, RunningAverages
+from pydlpoly.formats.blocks import Estimate
 from pydlpoly.formats.fortran import fortran_e, fortran_f, fortran_i
 from pydlpoly.formats.records import FloatArray
 
@@ -51,6 +52,11 @@ class RunSummary:
             displacement (Å).
         warnings: everything the run wants remembered.
         timings: seconds by part of the program.
+        doubts: those of the warnings that say that the run's results may be wrong.
+        kinetic_temperature, configurational_temperature: averages over the same samples, the second sum over sum; None
+            when there are no samples, or nothing acts.
+        thermostat_temperature: None without a thermostat, or when it varies.
+        energy_drift: of the total energy per bead and unit of time, in nve runs.
     """
 
     steps: int
@@ -67,6 +73,11 @@ class RunSummary:
     timings: Mapping[str, float] = field(default_factory=dict)
     samples: int = 0
     loop_steps: int | None = None
+    doubts: Sequence[str] = ()
+    kinetic_temperature: Estimate | None = None
+    configurational_temperature: Estimate | None = None
+    thermostat_temperature: float | None = None
+    energy_drift: Estimate | None = None
 
 
 class OutputWriter:
@@ -77,7 +88,7 @@ class OutputWriter:
         version: version of pydlpoly, for the banner.
         title: the run's title.
         append: go on with an existing file after its last whole piece.
-        temperature_unit, pressure_unit, time_unit: as printed; an empty text prints none (reduced units).
+        temperature_unit, pressure_unit, time_unit, energy_unit: as printed; an empty text prints none (reduced units).
         stream: write here, for example to the standard output, instead of to a file; it stays open.
 
     Raises:
@@ -94,11 +105,13 @@ class OutputWriter:
         temperature_unit: str = "K",
         pressure_unit: str = "katm",
         time_unit: str = "ps",
+        energy_unit: str = "",
         stream: IO[str] | None = None,
     ) -> None:
         """Open the file and write the banner; see the class."""
         self.path = os.fspath(path)
         self._temperature, self._pressure, self._time = temperature_unit, pressure_unit, time_unit
+        self._energy = energy_unit
         self._prints = 0
         self._stream = stream
         self._file: FrameFile | None = None
@@ -138,6 +151,7 @@ class OutputWriter:
             pieces += [self._final_averages(summary), self._pressure_tensor(summary)]
             if summary.diffusion:
                 pieces.append(_diffusion(summary.diffusion, reduced=not self._time))
+        pieces += [self._temperatures(summary), self._energy_drift(summary)]
         if summary.warnings:
             pieces.append("Warnings of this run:\n" + "".join(f"  {_one_line(w)}\n" for w in summary.warnings) + "\n")
         pieces.append(_timings(summary))
@@ -214,6 +228,37 @@ class OutputWriter:
             rows = "\n".join(_row(row) for row in tensor)
             text += f"of which {name}{unit}\n{rows}\n{_trace(tensor)}\n"
         return text
+
+    def _temperatures(self, summary: RunSummary) -> str:
+        kinetic, configurational = summary.kinetic_temperature, summary.configurational_temperature
+        if kinetic is None:
+            return ""
+        text = f"Temperatures, with standard errors{_samples_of(kinetic)}:\n"
+        text += _estimate("kinetic", kinetic, self._temperature)
+        if configurational is not None:
+            text += _estimate("configurational", configurational, self._temperature)
+        if summary.thermostat_temperature is not None:
+            text += _estimate("thermostat", summary.thermostat_temperature, self._temperature)
+        return text + "\n"
+
+    def _energy_drift(self, summary: RunSummary) -> str:
+        if summary.energy_drift is None:
+            return ""
+        units = [unit for unit in (self._energy, self._time) if unit]
+        text = f"Drift of the total energy per bead and time, a straight line{_samples_of(summary.energy_drift)}:\n"
+        return text + _estimate("drift", summary.energy_drift, "/".join(units)) + "\n"
+
+
+def _samples_of(estimate: Estimate) -> str:
+    return f" from {estimate.samples} samples in {estimate.blocks} blocks"
+
+
+def _estimate(name: str, estimate: Estimate | float, unit: str) -> str:
+    value, error = (estimate.value, estimate.error) if isinstance(estimate, Estimate) else (estimate, None)
+    text = f"  {name:<16}{fortran_e(value, 13, 5)}"
+    if error is not None:
+        text += "  (too few samples for an error)" if np.isnan(error) else f" +-{fortran_e(error, 11, 2)}"
+    return f"{text} {unit}".rstrip() + "\n"
 
 
 def _banner(version: str, title: str) -> str:

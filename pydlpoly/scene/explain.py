@@ -327,6 +327,7 @@ def _output(scene: Scene) -> list[str]:
     files = [
         (plan.output_file, plan.print_every, f"report, rolling averages over {plan.stack_size} steps"),
         (plan.statistics_file, plan.statistics_every, f"statistics{yaml}"),
+        (plan.diagnostics_file, plan.diagnostics_every, "kinetic and configurational temperature, drifts, pressure"),
         (plan.trajectory_file, plan.trajectory_every, trajectory),
         (
             plan.rdf_file,
@@ -335,7 +336,8 @@ def _output(scene: Scene) -> list[str]:
         ),
     ]
     lines = [_wrap(f"{name}: {_every(every)}, {what}") for name, every, what in files if name and every]
-    silent = [name for name, every, _ in files if name and not every and name != plan.output_file]
+    usual = (plan.statistics_file, plan.trajectory_file, plan.rdf_file)
+    silent = [name for name, every, _ in files if name in usual and name and not every]
     flat = [line for block in lines for line in block]
     if plan.output_file and not plan.print_every:
         flat.insert(0, f"{plan.output_file}: the report, without lines during the run")

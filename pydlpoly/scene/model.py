@@ -247,6 +247,7 @@ class OutputPlan:
 
     print_every: int = 0
     statistics_every: int = 0
+    diagnostics_every: int = 0
     stack_size: int = 100
     statistics_yaml: bool = False
     trajectory_start: int = 0
@@ -258,6 +259,7 @@ class OutputPlan:
     checkpoint_every: int = 1000
     output_file: str | None = "OUTPUT"
     statistics_file: str = "STATIS"
+    diagnostics_file: str = "DIAGNOSTICS"
     trajectory_file: str = "HISTORY"
     rdf_file: str | None = "RDFDAT"
     configuration_file: str | None = "REVCON"

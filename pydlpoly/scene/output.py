@@ -32,9 +32,12 @@ def resolve_output(
     trajectory_file, statistics_file = settings.file_name("io_file_history"), settings.file_name("io_file_statis")
     trajectory_every = _interval(settings, "traj_interval") if settings.switch("traj_calculate") else 0
     statistics_every = _interval(settings, "stats_frequency")
+    diagnostics_file = settings.file_name("io_file_diagnostics")
+    diagnostics_every = _interval(settings, "diagnostics_frequency")
     return OutputPlan(
         print_every=_interval(settings, "print_frequency"),
         statistics_every=statistics_every if statistics_file else 0,
+        diagnostics_every=diagnostics_every if diagnostics_file else 0,
         stack_size=_stack_size(settings, notes),
         statistics_yaml=settings.switch("io_statis_yaml"),
         trajectory_start=_interval(settings, "traj_start"),
@@ -46,6 +49,7 @@ def resolve_output(
         checkpoint_every=_interval(settings, "data_dump_frequency"),
         output_file=settings.file_name("io_file_output"),
         statistics_file=statistics_file or "STATIS",
+        diagnostics_file=diagnostics_file or "DIAGNOSTICS",
         trajectory_file=trajectory_file or "HISTORY",
         rdf_file=settings.file_name("io_file_rdf") if settings.switch("rdf_print") else None,
         configuration_file=settings.file_name("io_file_revcon"),
