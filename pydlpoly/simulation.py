@@ -29,6 +29,7 @@ from pydlpoly.scene.serialise import scene_from_arrays, scene_to_arrays
 _SECONDS_PER_CHUNK = 0.2  # how long Ctrl-C may wait in scenes of usual size
 _STEPS_PER_CHUNK = 20  # at least, unless they take longer than
 _LONGEST_CHUNK = 3.0  # seconds
+_MOST_CELLS = 2.0**30  # that a bead may be away from the cell
 
 
 @dataclass(frozen=True, eq=False)
@@ -296,7 +297,7 @@ class Simulation:
         Positions outside the cell are wrapped into it, and the crossed cells are counted in ``State.images``.
 
         Raises:
-            ValueError: an array has another shape or is not finite.
+            ValueError: an array has another shape, is not finite or is too far away; the state is the one before.
         """
         system = self._engine.system
         shape = (self.scene.bead_count, 3)
@@ -304,6 +305,12 @@ class Simulation:
             if array is not None and (np.shape(array) != shape or not np.isfinite(array).all()):
                 raise ValueError(f"{name} must be finite and of shape {shape}")
         if positions is not None:
+            cells = np.abs(np.asarray(positions) @ np.linalg.inv(self.scene.cell)).max(axis=1)
+            if cells.size and not cells.max() < _MOST_CELLS:
+                raise ValueError(
+                    f"the position of bead {int(np.argmax(cells)) + 1} is {cells.max():.4g} cells away; at most "
+                    f"{_MOST_CELLS:.4g} can be counted"
+                )
             system.positions = positions
             system.wrap()
         if velocities is not None:

@@ -178,7 +178,8 @@ def _note_ranges(
     if longer:
         text = f"{named(longer)} keep the range of their law, beyond the global cutoff {cutoff:g} ang"
         notes.choice(f"{text}; DL_POLY truncates them there")
-    others = [t for t in pairs if t.law is not None and t not in own]
+    ended = {id(t) for t in own}  # terms compare by value, which would take long for hundreds of species
+    others = [t for t in pairs if t.law is not None and id(t) not in ended]
     longest = max((t.cutoff for t in own), default=math.inf)
     if others and longest < vdw_cutoff:
         text = f"{named(others)} end at the van der Waals cutoff {vdw_cutoff:g} ang"
