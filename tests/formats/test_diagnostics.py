@@ -121,7 +121,7 @@ for step in range(10**7):
 
 def test_a_kill_leaves_whole_lines(tmp_path: Path) -> None:
     path = tmp_path / "DIAGNOSTICS"
-    with subprocess.Popen([sys.executable, "-c", PROGRAM, str(path)], stdout=subprocess.PIPE) as program:
+    with subprocess.Popen([sys.executable, "-c", PROGRAM, str(path)], stdout=subprocess.PIPE, cwd=tmp_path) as program:
         assert program.stdout is not None
         program.stdout.readline()
         time.sleep(0.2)
