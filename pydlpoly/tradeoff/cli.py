@@ -83,19 +83,23 @@ def measure_and_tell(
         check_plot(plot)  # refused before the budget is spent
     if json_file is not None and plot is not None and os.path.realpath(json_file) == os.path.realpath(plot):
         raise typer.BadParameter("the JSON file and the plot have the same name", param_hint="--plot")
-    with _shown_progress() as progress:
-        report = tradeoff(
-            scene,
-            budget=seconds_of(budget),
-            target=fraction_of(target),
-            integrators=words_of(integrators),
-            timesteps=timesteps_of(timesteps),
-            precisions=words_of(precisions),
-            threads=threads,
-            diffusion=diffusion,
-            seed=seed,
-            progress=progress,
-        )
+    try:
+        with _shown_progress() as progress:
+            report = tradeoff(
+                scene,
+                budget=seconds_of(budget),
+                target=fraction_of(target),
+                integrators=words_of(integrators),
+                timesteps=timesteps_of(timesteps),
+                precisions=words_of(precisions),
+                threads=threads,
+                diffusion=diffusion,
+                seed=seed,
+                progress=progress,
+            )
+    except KeyboardInterrupt:
+        typer.echo("pydlpoly: interrupted before anything was measured", err=True)
+        return EXIT_INTERRUPTED
     typer.echo(report.text(control, everything=everything))
     if json_file is not None:
         _keep(json_file)

@@ -309,9 +309,13 @@ class _Measurement:
         self.plan = plan
         self.reference = _Running(best, common, plan, 0)
         self.running = [_Running(one, common, plan, 1 + k) for k, one in enumerate(candidates)]
+        self.turn = self.running  # who runs until the next decision
         self.keep = scene.bead_count * (1 + len(candidates)) <= _BEADS_ALIVE
-        self.turn: list[_Running] = []  # who runs until the next decision
         self.pace = 0.0  # steps a second of the reference in its last turn
+        if not self._in_equilibrium(temperature):
+            for one in self.running:
+                one.why, one.done = one.why or "the start was not in equilibrium yet", True
+            return
         try:
             self._first_look()
             self._rounds()
@@ -372,6 +376,11 @@ class _Measurement:
                     self.notes.append("the budget did not let the start settle for certain: the energy may still drift")
                 break
         return simulation, float(np.mean(temperatures[-15:])), (step, look)
+
+    def _in_equilibrium(self, temperature: float) -> bool:
+        """Whether the start has about the temperature that it should have; if not, nobody could be judged."""
+        noise = 4.0 * np.sqrt(2.0 / max(1, self.scene.degrees_of_freedom))
+        return self.plan.wanted is None or abs(temperature / self.plan.wanted - 1.0) <= 0.5 * _TOO_HOT + float(noise)
 
     def _plan(
         self,
@@ -636,6 +645,8 @@ class _Measurement:
 
     def _reference(self) -> Reference:
         samples, one = self.reference.samples, self.reference.candidate
+        if not samples.rows:
+            return Reference(one.integrator, one.timestep, one.precision, 0.0, {}, {})
         averages = {name: mean_and_error(samples.column(name))[:2] for name in ("temperature", "pressure", "energy")}
         ratio = _configurational(samples)
         if ratio is not None:

@@ -54,15 +54,19 @@ def write_plot(report: TradeoffReport, path: Path) -> None:
         axes.plot(*zip(*front, strict=True), "k-", linewidth=1.0, zorder=0, label="Pareto front")
     for one in drawn:
         if one.front or one.own:
-            text = f"{one.timestep:g}" + (" (CONTROL)" if one.own else "")
+            text = f"{one.name}, {one.timestep:g}" + (" (CONTROL)" if one.own else "")
             axes.annotate(text, _place(one)[:2], xytext=(6, 6), textcoords="offset points", fontsize=8)
     axes.axhline(100.0 * report.target, color="grey", linestyle="--", linewidth=0.8, label="target")
     axes.set_xscale("log")
     axes.set_yscale("log")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter("{x:g}")
+        axis.set_tick_params(which="both", labelsize=7)
     axes.set_xlabel(f"simulated time{f' ({report.time_unit})' if report.time_unit else ''} a second of wall time")
     words = ", ".join(QUANTITIES[name] for name in QUANTITIES if any(name in (one.deviations or {}) for one in drawn))
     axes.set_ylabel(f"largest error of {words} (%), bars: 95 % confidence")
-    axes.set_title(f"{report.title}\nnumbers are timesteps; faint: given up early", fontsize=9)
+    axes.set_title(f"{report.title}\nwith their timesteps; faint: given up early", fontsize=9)
     axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
     save_figure(figure, path)
 

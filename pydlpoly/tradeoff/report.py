@@ -154,13 +154,17 @@ class TradeoffReport:
             control: the scene's CONTROL, whose style and units the lines to paste shall have.
             everything: also the candidates that were given up early or not run, which the table else leaves out.
         """
-        shown = [one for one in self.candidates if everything or self._matters(one)]
+        shown = self.candidates if everything else self.noteworthy()
         parts = [self._head(), self.table(shown), self._legend(len(self.candidates) - len(shown)), self._outcome()]
         best = self.recommendation
         if best is not None:
             parts.append("\n".join(f"  {line}" for line in control_lines(best, self.time_unit, control)))
         parts += [f"note: {note}" for note in self.notes]
         return "\n".join(part for part in parts if part)
+
+    def noteworthy(self) -> list[Measured]:
+        """Return the candidates without those that were given up early or not run."""
+        return [one for one in self.candidates if self._matters(one)]
 
     def table(self, shown: Sequence[Measured] | None = None) -> str:
         """Return candidates (default: all) in columns, errors in per cent with their statistical errors."""
@@ -175,7 +179,7 @@ class TradeoffReport:
             if one.status != "measured" or one.speed is None or one.deviations is None:
                 rows.append([*head, "", *("" for _ in columns), f"{one.status}: {one.why}" if one.why else one.status])
                 continue
-            cells = [_per_cent(one.deviations[name]) if name in one.deviations else "" for name in columns]
+            cells = [deviation_text(one.deviations[name]) if name in one.deviations else "" for name in columns]
             rows.append([*head, significant(one.speed.median), *cells, one.verdict + (" (CONTROL)" * one.own)])
         return "\n".join(_columns(rows))
 
@@ -281,8 +285,8 @@ def _timestep(control: Control) -> float:
     return float(value) if isinstance(value, (int, float)) else 0.0
 
 
-def _per_cent(deviation: Deviation) -> str:
-    # Two digits of the error, and as many of the value.
+def deviation_text(deviation: Deviation) -> str:
+    """Return a deviation in per cent ``+-`` its statistical error."""
     noise = 100.0 * deviation.error
     if not noise < float("inf"):
         return f"{100.0 * deviation.value:+.1f}+-?"

@@ -17,7 +17,8 @@ CONFIDENCE = 0.95
 REACH = NormalDist().inv_cdf(0.5 + 0.5 * CONFIDENCE)
 """Standard errors to the end of an interval of this confidence."""
 
-_FEWEST_BLOCKS = 16
+_TOGETHER = 5  # quantities, of which one that is outside condemns a candidate
+_FEWEST_BLOCKS = 8
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class Deviation:
         value: measured minus reference; for g(r) the size of the largest deviation.
         error: its statistical error, the reference's included: half of an interval of 95 % confidence is 1.96 of it,
             so that few independent samples make it larger (Student).
-        verdict: "within" or "outside" the target with 95 % confidence, else "cannot tell".
+        verdict: "within" or "outside" the target, else "cannot tell"; see ``judge``.
     """
 
     value: float
@@ -41,8 +42,8 @@ def block_error(samples: ArrayLike) -> tuple[FloatArray, FloatArray]:
 
     Neighbouring samples are averaged in pairs again and again (Flyvbjerg and Petersen, J. Chem. Phys. 91, 461 (1989)):
     the error that blocks seem to have grows with their length until they are independent. Of each series the first
-    level is taken that no longer blocks exceed by more than twice the uncertainty of their errors; the longest blocks
-    are those of which there are still 16.
+    level is taken that no longer blocks exceed by more than half of the uncertainty of their errors, which errs on the
+    large side: 10 % for independent samples. The longest blocks are those of which there are still 8.
 
     Args:
         samples: (n,) or (n, series), in the order of time.
@@ -61,7 +62,7 @@ def block_error(samples: ArrayLike) -> tuple[FloatArray, FloatArray]:
     if not errors:
         return np.full(values.shape[1], np.inf), np.ones(values.shape[1])
     table, counts = np.array(errors), np.array(freedom, dtype=np.float64)
-    least = table - 2.0 * table / np.sqrt(2.0 * counts)[:, None]  # below which these errors are not
+    least = table - 0.5 * table / np.sqrt(2.0 * counts)[:, None]  # below which these errors are not
     chosen = np.full(table.shape[1], len(table) - 1)
     for level in range(len(table) - 2, -1, -1):
         flat = np.all(least[level + 1 :] <= table[level], axis=0)
@@ -109,12 +110,16 @@ def student(freedom: ArrayLike, confidence: float = CONFIDENCE) -> FloatArray:
 
 
 def judge(value: float, error: float, freedom: float, target: float) -> Deviation:
-    """Say whether a deviation is within the target, with 95 % confidence; ``freedom`` is that of its error."""
+    """Say whether a deviation is within the target, with 95 % confidence; ``freedom`` is that of its error.
+
+    Each of the quantities must be within, but one that is outside is enough: so that chance does not do that with five
+    of them, "outside" takes a confidence of 99 %.
+    """
     if not np.isfinite(value) or not np.isfinite(error):
         return Deviation(0.0, float("inf"), "cannot tell")
     reach = float(student(freedom)) * error
     verdict: Verdict = "within" if abs(value) + reach <= target else "cannot tell"
-    if abs(value) - reach > target:
+    if abs(value) - float(student(freedom, 1.0 - (1.0 - CONFIDENCE) / _TOGETHER)) * error > target:
         verdict = "outside"
     return Deviation(value, reach / REACH, verdict)
 
@@ -123,10 +128,10 @@ def judge_many(values: FloatArray, errors: FloatArray, freedom: FloatArray, targ
     """Return the largest of many deviations, and judge them together.
 
     "within" needs every one to be within. That one of many is outside is the more likely by chance the more there are,
-    so that each must be outside with a confidence that makes 95 % for all. The largest is the one that is largest in
+    so that each must be outside with a confidence that makes 99 % for all. The largest is the one that is largest in
     spite of its error.
     """
-    spread = student(freedom, 1.0 - (1.0 - CONFIDENCE) / len(values)) * errors
+    spread = student(freedom, 1.0 - (1.0 - CONFIDENCE) / _TOGETHER / len(values)) * errors
     reach = student(freedom) * errors
     worst = int(np.argmax(np.abs(values) - spread))
     verdict: Verdict = "within" if np.all(np.abs(values) + reach <= target) else "cannot tell"
