@@ -16,9 +16,10 @@ from pathlib import Path
 
 from performance import table
 
-from pydlpoly import Scene
+from pydlpoly import Scene, load
 from pydlpoly.bench.results import significant
-from pydlpoly.bench.scenes import lennard_jones, mixture, polymer_melt, water
+from pydlpoly.bench.scenes import lennard_jones, polymer_melt, water
+from pydlpoly.cli import example_folder
 from pydlpoly.errors import PydlpolyError
 from pydlpoly.tradeoff import TradeoffReport, tradeoff
 from pydlpoly.tradeoff.cli import seconds_of
@@ -27,7 +28,7 @@ from pydlpoly.tradeoff.report import QUANTITIES, control_lines, deviation_text, 
 PAGE = Path(__file__).with_name("accuracy-and-speed.md")
 SCENES: dict[str, Callable[[], Scene]] = {
     "water": lambda: water(3000),
-    "mixture": lambda: mixture(3000),
+    "mixture": lambda: load(example_folder("mixture")),
     "polymer": lambda: polymer_melt(150),
     "lj": lambda: lennard_jones(8),
 }

@@ -17,9 +17,10 @@ from pydlpoly.bench.results import Spread, this_machine
 from pydlpoly.cli import main
 from pydlpoly.formats.control import parse_control
 from pydlpoly.scene.integrators import INTEGRATORS
-from pydlpoly.tradeoff import Measured, Reference, TradeoffReport, tradeoff
+from pydlpoly.tradeoff import Measured, Reference, TradeoffReport, measure, tradeoff
 from pydlpoly.tradeoff.candidates import Candidate, candidates_for, reference_for, variant
 from pydlpoly.tradeoff.cli import fraction_of, seconds_of
+from pydlpoly.tradeoff.measure import _not_below, _settled
 from pydlpoly.tradeoff.report import control_lines, duration, on_front, overall, scalar_error
 from pydlpoly.tradeoff.statistics import (
     REACH,
@@ -120,11 +121,16 @@ def test_ratio_of_means() -> None:
 
 
 def test_slope() -> None:
+    """Of a random walk; of independent noise about a line, where the error is too large."""
     rng = np.random.default_rng(3)
     times = np.linspace(0.0, 10.0, 500)
-    found = np.array([slope_and_error(times, 0.2 * times + rng.normal(size=500)) for _ in range(300)])
-    assert found[:, 0].mean() == pytest.approx(0.2, abs=0.003)
-    assert found[:, 1].mean() == pytest.approx(found[:, 0].std(), rel=0.15)
+    noise = rng.normal(size=(300, 500))
+    walks = np.array([slope_and_error(times, 0.2 * times + np.cumsum(0.1 * one)) for one in noise])
+    assert walks[:, 0].mean() == pytest.approx(0.2, abs=0.05)
+    assert 0.8 < walks[:, 1].mean() / walks[:, 0].std() < 1.1
+    lines = np.array([slope_and_error(times, 0.2 * times + one) for one in noise])
+    assert lines[:, 0].mean() == pytest.approx(0.2, abs=0.003)
+    assert lines[:, 1].mean() > lines[:, 0].std()
     assert slope_and_error(times[:2], times[:2])[1] == np.inf
 
 
@@ -329,6 +335,15 @@ def test_scene_without_thermostat() -> None:
     assert "ensemble nve" in control_lines(measured[0], report.time_unit)
 
 
+def test_large_scenes_share_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run that was put aside between its turns goes on from where it was."""
+    monkeypatch.setattr(measure, "_BEADS_ALIVE", 0)
+    report = tradeoff(water(**NVE), budget=3.0, target=0.5, timesteps=[0.005], threads=1, **DOUBLE)
+    drift = (report.candidates[0].deviations or {})["drift"]
+    assert abs(drift.value) < 0.5
+    assert 0.0 < drift.error < 0.5
+
+
 def test_budget_that_is_too_short() -> None:
     report = tradeoff(water(), budget=0.05, target=1e-4, integrators=["middle"], timesteps=[0.01], threads=1)
     assert report.recommended is None
@@ -355,6 +370,18 @@ def test_interrupt_keeps_what_is_known(after: int) -> None:
     assert report.interrupted
     assert report.seconds < 29.0
     assert len(report.candidates) == 2
+
+
+def test_error_of_a_short_run_is_not_below_what_the_reference_says() -> None:
+    assert _not_below((0.01, 7.0), (0.01, 99.0), 2.0) == (0.02, 99.0)
+    assert _not_below((0.03, 7.0), (0.01, 99.0), 2.0) == (0.03, 7.0)
+
+
+def test_a_scene_that_still_changes_is_noticed() -> None:
+    rng = np.random.default_rng(6)
+    still, falling = rng.normal(size=(200, 60)), rng.normal(size=(200, 60)) - 0.1 * np.arange(60)
+    assert np.mean([_settled(one, 2) for one in still]) > 0.97
+    assert np.mean([_settled(one, 2) for one in falling]) < 0.05
 
 
 def test_diffusion_is_compared_when_asked_for() -> None:

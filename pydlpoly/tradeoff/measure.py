@@ -59,7 +59,8 @@ _FEWEST_SAMPLES = 8  # for a judgement
 _WARM_UP = 50  # steps of the scene's own length that every run discards
 _TOO_HOT = 0.2  # a temperature so far off is no longer an error but a failure
 _LAG = 200  # steps of the scene's own length between the positions that give the diffusion
-_BEADS_ALIVE = 4_000_000  # of all candidates together; beyond that they are set up anew for every turn
+_SHORTEST_RUN, _LONGEST_RUN = 1000, 10_000  # steps of the scene's own length that the energy's drift is told for
+_BEADS_ALIVE = 4_000_000  # of all candidates together; beyond that each is only in memory while it runs
 _LONGEST_STRIDE, _STRIDE = 60, 25
 
 
@@ -69,17 +70,24 @@ def _silent(_name: str, _done: float, _of: float) -> None:
 
 @dataclass
 class _Samples:
-    """What a run was seen to do, one row a sample."""
+    """What a run was seen to do, one row a sample; ``interval`` is the simulated time between them."""
 
+    interval: float
     rows: list[tuple[float, ...]] = field(default_factory=list)
     shells: list[FloatArray] = field(default_factory=list)
     diffusion: list[float] = field(default_factory=list)
+
+    @property
+    def time(self) -> float:
+        """Simulated time that the averages are over."""
+        return len(self.rows) * self.interval
 
     def column(self, name: str) -> FloatArray:
         """Return one quantity of every sample."""
         return np.array([row[_COLUMNS.index(name)] for row in self.rows])
 
 
+_Estimate = tuple[float, float, float]  # a mean, its statistical error, and the error's degrees of freedom
 _COLUMNS = ("time", "temperature", "pressure", "energy", "total", "squared_force", "curvature")
 
 
@@ -90,7 +98,7 @@ class _Running:
         self.candidate, self.plan, self.number = candidate, plan, number
         output = replace(scene.output, rdf_every=plan.stride + 1, rdf_bin_width=scene.cutoff / _SHELLS)
         self.scene = variant(replace(scene, output=output), candidate)
-        self.samples = _Samples()
+        self.samples = _Samples((plan.stride + 1) * candidate.timestep)
         self.why = candidate.refused
         self.unstable = bool(candidate.refused)
         self.ratios: list[float] = []  # rate over the reference's of the same time
@@ -99,23 +107,14 @@ class _Running:
         self.deviations: dict[str, Deviation] = {}
         self._simulation: Simulation | None = None
         self._counts: NDArray[np.int64] | None = None
-        self._starts = 0
+        self._starts = 0  # how often it was set up
+        self._before = 0.0  # simulated time before the last time
         self._origins: list[tuple[int, FloatArray]] = []
 
     @property
     def begun(self) -> bool:
         """Whether there are averages of it."""
         return len(self.samples.rows) > 0
-
-    @property
-    def time(self) -> float:
-        """Simulated time that the averages are over."""
-        return len(self.samples.rows) * self.interval
-
-    @property
-    def interval(self) -> float:
-        """Simulated time between samples."""
-        return (self.plan.stride + 1) * self.candidate.timestep
 
     def turn(self, seconds: float) -> float:
         """Run for about so long, at least one sample, and return the steps a second of the whole turn.
@@ -145,17 +144,23 @@ class _Running:
         return rate
 
     def release(self) -> None:
-        """Forget the simulation, not what was seen."""
-        self._simulation = None
+        """Give the simulation's memory back; a later turn goes on from where it was."""
+        if self._simulation is not None:
+            state = self._simulation.state
+            beads = replace(self.scene.beads, positions=state.positions, velocities=state.velocities)
+            self.scene = replace(self.scene, beads=beads)
+            self._before += state.time
+            self._simulation = None
 
     def _ready(self) -> Simulation:
         if self._simulation is None:
             seed = (self.plan.seed + 1 + self.number + 100_003 * self._starts) % 2**64
-            self._starts += 1
             self._simulation = Simulation(self.scene, seed=seed, threads=self.plan.threads)
-            period = self.plan.stride + 1
-            steps = _WARM_UP * self.plan.timestep / self.candidate.timestep
-            self._simulation.run(period * max(1, round(steps / period)))
+            if self._starts == 0:
+                period = self.plan.stride + 1
+                steps = _WARM_UP * self.plan.timestep / self.candidate.timestep
+                self._simulation.run(period * max(1, round(steps / period)))
+            self._starts += 1
             self._counts, _ = self._simulation.distance_counts()
             self._origins = []
         return self._simulation
@@ -167,7 +172,7 @@ class _Running:
         numbers = (seen.temperature, seen.pressure, seen.energy["potential"] / beads, seen.energy["total"] / beads)
         if not np.isfinite(numbers).all():
             raise RunError(f"step {simulation.step}: the energy is not finite")
-        self.samples.rows.append((simulation.time, *numbers, squared_force, curvature))
+        self.samples.rows.append((self._before + simulation.time, *numbers, squared_force, curvature))
         counts, _ = simulation.distance_counts()
         assert self._counts is not None
         self.samples.shells.append(self.plan.pairs_counted(counts - self._counts))
@@ -177,12 +182,12 @@ class _Running:
 
     def _diffuse(self, simulation: Simulation) -> None:
         """Add D from how much the square displacement grows between one and two lags."""
-        strides = max(1, round(self.plan.lag / self.interval))
+        strides = max(1, round(self.plan.lag / self.samples.interval))
         self._origins.append((simulation.step, simulation.displacements()[~simulation.scene.beads.frozen]))
         if len(self._origins) == 2 * strides + 1:
             start, middle, end = (self._origins[k][1] for k in (0, strides, 2 * strides))
             one, two = (float(np.mean(np.sum((x - start) ** 2, axis=1))) for x in (middle, end))
-            self.samples.diffusion.append((two - one) / (6.0 * strides * self.interval))
+            self.samples.diffusion.append((two - one) / (6.0 * strides * self.samples.interval))
             self._origins = self._origins[-1:]
 
     def _runs_away(self) -> bool:
@@ -197,7 +202,7 @@ class _Running:
 
     def _fail(self, why: str) -> None:
         self.why, self.unstable, self.done = why, True, True
-        self.release()
+        self._simulation = None
 
 
 @dataclass
@@ -419,7 +424,7 @@ class _Measurement:
                     configurations=1,
                     bin_width=scene.cutoff / _SHELLS,
                 )[1]
-        run_steps = max(1000, scene.run.steps - scene.run.equilibration_steps)
+        run_steps = min(max(_SHORTEST_RUN, scene.run.steps - scene.run.equilibration_steps), _LONGEST_RUN)
         thermal = usual * units.boltzmann
         return _Plan(
             seed=seed,
@@ -550,6 +555,10 @@ class _Measurement:
             one.done = bool(one.why)
         alive = sorted((one for one in self.running if not one.done), key=self._speed, reverse=True)
         self.turn = alive[:_FOCUS] if self.gone > _SINGLE_OUT * self.budget else alive
+        own = [one for one in self.running if one.candidate.own and not one.unstable]  # what the rest is measured by
+        for one in own:
+            one.why, one.done = "", False
+        self.turn += [one for one in own if one not in self.turn]
         for one in self.running:
             if one.done:
                 one.release()
@@ -585,6 +594,12 @@ class _Measurement:
         if best is None and not undecided and any(one.status == "not run" for one in marked):
             needed = [4.0 * self.budget]
         self._note_dynamics()
+        energies = self.reference.samples.column("energy")
+        if len(energies) >= 3 * _FEWEST_SAMPLES and not _settled(energies, 2):
+            self.notes.append(
+                "the energy of the reference changes with time: the scene is not in equilibrium, and its errors are "
+                "those of unlike states; equilibrate it first"
+            )
         return TradeoffReport(
             title=self.scene.title,
             beads=self.scene.bead_count,
@@ -617,7 +632,7 @@ class _Measurement:
             found,
             status="measured",
             speed=Spread.of([ratio * pace * c.timestep for ratio in one.ratios]),
-            time=one.time,
+            time=one.samples.time,
             deviations=one.deviations,
             error=error,
             error_of=whose,
@@ -660,7 +675,7 @@ class _Measurement:
                         f"the reference itself is {100.0 * deviation.value:+.2g} % off in {name.replace('_', ' ')}: "
                         "give smaller timesteps"
                     )
-        return Reference(one.integrator, one.timestep, one.precision, self.reference.time, averages, own)
+        return Reference(one.integrator, one.timestep, one.precision, self.reference.samples.time, averages, own)
 
 
 def _own(scene: Scene) -> Candidate:
@@ -670,12 +685,12 @@ def _own(scene: Scene) -> Candidate:
     return Candidate(dynamics.integrator, dynamics.timestep, dynamics.precision, prediction)
 
 
-def _settled(energies: FloatArray) -> bool:
-    """Whether the last third of a series has the same mean as the third before it, as far as noise lets tell."""
-    third = len(energies) // 3
-    (a, s, n), (b, u, m) = mean_and_error(energies[-2 * third : -third]), mean_and_error(energies[-third:])
+def _settled(energies: FloatArray, parts: int = 3) -> bool:
+    """Whether the last part of a series has the mean of the part before it, with 99 % confidence that it has not."""
+    size = len(energies) // parts
+    (a, s, n), (b, u, m) = mean_and_error(energies[-2 * size : -size]), mean_and_error(energies[-size:])
     error, freedom = combine((s, n), (u, m))
-    return abs(a - b) <= float(student(freedom)) * error
+    return abs(a - b) <= float(student(freedom, 0.99)) * error
 
 
 def _configurational(samples: _Samples) -> tuple[float, float, float] | None:
@@ -692,43 +707,49 @@ def deviations(samples: _Samples, reference: _Samples, plan: _Plan) -> dict[str,
     if min(len(samples.rows), len(reference.rows)) < _FEWEST_SAMPLES:
         return found
 
-    def add(
-        name: str,
-        mine: tuple[float, float, float],
-        theirs: tuple[float, float, float],
-        scale: float,
-    ) -> None:
-        error, freedom = combine(mine[1:], theirs[1:])
-        value, error = (mine[0] - theirs[0]) / scale, error / scale
-        found[name] = judge(value, error, freedom, plan.target)
-
-    def exact(value: float) -> tuple[float, float, float]:
-        return value, 0.0, 1e9
-
-    kinetic = mean_and_error(samples.column("temperature"))
+    longer = np.sqrt(reference.time / samples.time)
     wanted = plan.wanted
-    theirs = mean_and_error(reference.column("temperature")) if wanted is None else exact(wanted)
-    add("temperature", kinetic, theirs, theirs[0])
+
+    def add(name: str, mine: _Estimate, theirs: _Estimate, least: float = 0.0, exact: float | None = None) -> None:
+        """Compare with the reference, or with an exact value; the scale is the size of that, or at least ``least``."""
+        error, freedom = _not_below(mine[1:], theirs[1:], float(longer))
+        value = mine[0] - (theirs[0] if exact is None else exact)
+        if exact is None:
+            error, freedom = combine((error, freedom), theirs[1:])
+        scale = max(abs(theirs[0] if exact is None else exact), least) or 1.0
+        found[name] = judge(value / scale, error / scale, freedom, plan.target)
+
+    def both(name: str) -> tuple[_Estimate, _Estimate]:
+        return mean_and_error(samples.column(name)), mean_and_error(reference.column(name))
+
+    mine, theirs = both("temperature")
+    add("temperature", mine, theirs, exact=wanted)
     positions, other = _configurational(samples), _configurational(reference)
     if positions is not None and other is not None:
-        theirs = other if wanted is None else exact(wanted * plan.boltzmann)
-        add("configurational_temperature", positions, theirs, theirs[0])
+        add("configurational_temperature", positions, other, exact=None if wanted is None else wanted * plan.boltzmann)
     for name, least in (("pressure", plan.ideal_pressure), ("energy", plan.thermal)):
-        theirs = mean_and_error(reference.column(name))
-        add(name, mean_and_error(samples.column(name)), theirs, max(abs(theirs[0]), least))
+        mine, theirs = both(name)
+        add(name, mine, theirs, least)
     structure = _structure(samples, reference, plan)
     if structure is not None:
         found["rdf"] = structure
     if not plan.thermostat:
-        slope = slope_and_error(samples.column("time"), samples.column("total"))
-        add("drift", slope, exact(0.0), 1.5 * plan.thermal / plan.run_time)
+        slope, error, freedom = slope_and_error(samples.column("time"), samples.column("total"))
+        scale = 1.5 * plan.thermal / plan.run_time
+        found["drift"] = judge(slope / scale, error / scale, freedom, plan.target)
     if plan.lag > 0.0:
-        if len(samples.diffusion) >= 2 and len(reference.diffusion) >= 2:
-            theirs = mean_and_error(reference.diffusion)
-            add("diffusion", mean_and_error(samples.diffusion), theirs, abs(theirs[0]) or 1.0)
-        else:
-            found["diffusion"] = Deviation(0.0, float("inf"), "cannot tell")
+        found["diffusion"] = Deviation(0.0, float("inf"), "cannot tell")
+        if min(len(samples.diffusion), len(reference.diffusion)) >= 2:
+            add("diffusion", mean_and_error(samples.diffusion), mean_and_error(reference.diffusion))
     return found
+
+
+def _not_below(mine: tuple[float, float], theirs: tuple[float, float], longer: float) -> tuple[float, float]:
+    """Return an error and its degrees of freedom, but no less than the reference's error says for so short a run.
+
+    Fluctuations last as long in both. A run that is shorter than they last does not know its error.
+    """
+    return mine if mine[0] >= theirs[0] * longer else (theirs[0] * longer, theirs[1])
 
 
 def _structure(samples: _Samples, reference: _Samples, plan: _Plan) -> Deviation | None:
@@ -741,6 +762,8 @@ def _structure(samples: _Samples, reference: _Samples, plan: _Plan) -> Deviation
         return None
     a, b = (x[:, enough] * unit[enough] for x in (mine, theirs))
     (s, n), (u, m) = block_error(a), block_error(b)
+    least = u * np.sqrt(reference.time / samples.time)
+    s, n = np.maximum(s, least), np.where(s < least, m, n)
     errors = np.hypot(s, u)
     with np.errstate(invalid="ignore", divide="ignore"):
         freedom = np.where(errors > 0.0, errors**4 / (s**4 / n + u**4 / m), np.minimum(n, m))

@@ -85,16 +85,19 @@ def ratio_and_error(above: FloatArray, below: FloatArray) -> tuple[float, float,
 
 
 def slope_and_error(times: FloatArray, values: FloatArray, blocks: int = 20) -> tuple[float, float, float]:
-    """Return the slope of a straight line through means of blocks, its standard error and degrees of freedom."""
+    """Return how fast a quantity drifts, its standard error and degrees of freedom.
+
+    From the steps between means of blocks, as if they were independent. So they are where the quantity makes a random
+    walk, as the energy does when pairs cross a cutoff; where it swings about a straight line the error is too large.
+    """
     count = min(blocks, len(values))
-    if count < 3:
+    if count < 4:
         return 0.0, float("inf"), 1.0
     t = np.array([part.mean() for part in np.array_split(times, count)])
     x = np.array([part.mean() for part in np.array_split(values, count)])
-    about = t - t.mean()
-    slope = float(about @ x / (about @ about))
-    rest = x - x.mean() - slope * about
-    return slope, float(np.sqrt(rest @ rest / (count - 2) / (about @ about))), float(count - 2)
+    rates = np.diff(x) / np.diff(t)
+    slope = float((x[-1] - x[0]) / (t[-1] - t[0]))
+    return slope, float(rates.std(ddof=1) / np.sqrt(count - 1)), float(count - 2)
 
 
 def student(freedom: ArrayLike, confidence: float = CONFIDENCE) -> FloatArray:
