@@ -1,7 +1,8 @@
-"""The command line: ``pydlpoly run | check | explain | convert | bench``.
+"""The command line: ``pydlpoly run | check | explain | convert | bench | tradeoff``.
 
 Exit codes: 0 done, 1 the input was refused, 2 wrong usage, 3 the run stopped being physical, 130 interrupted by Ctrl-C
-or SIGTERM (after writing the checkpoint).
+or SIGTERM (after writing the checkpoint). ``tradeoff`` has two more: 4 its budget was too short to recommend anything,
+5 nothing is as accurate as asked for.
 """
 
 from __future__ import annotations
@@ -167,6 +168,56 @@ def convert(
             replace_file(output, text)
         except RunError as error:
             raise InputError(str(error)) from error
+
+
+@app.command()
+def tradeoff(
+    directory: Directory = None,
+    *,
+    example: Example = None,
+    control: ControlFile = None,
+    field: FieldFile = None,
+    config: ConfigFile = None,
+    budget: Annotated[str, typer.Option(help="Wall time to spend: 90s, 2min, 1h.")] = "2min",
+    target: Annotated[str, typer.Option(help="Largest error that is aimed at: 1% or 0.01.")] = "1%",
+    integrators: Annotated[
+        str | None, typer.Option(help="Names of ensemble_dpd_order, with commas (default: those in common use).")
+    ] = None,
+    timesteps: Annotated[
+        str | None, typer.Option(help="Timesteps with commas, ps or reduced (default: 1/2 to 6 times CONTROL's).")
+    ] = None,
+    precision: Annotated[
+        str | None, typer.Option(help="double, mixed, reference: one or several, with commas (default: double,mixed).")
+    ] = None,
+    diffusion: Annotated[bool, typer.Option("--diffusion", help="Also compare diffusion coefficients.")] = False,
+    threads: Annotated[int | None, typer.Option(min=1, max=_MOST_THREADS, help="Threads of every run.")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, max=2**64 - 1, help="Seed of all runs.")] = None,
+    everything: Annotated[bool, typer.Option("--all", help="Print the candidates that were given up, too.")] = False,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the results as JSON.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw error against speed (.png, .svg, .pdf).")] = None,
+    lenient: Lenient = False,
+) -> None:
+    """Measure speed against accuracy of integrators, timesteps and precisions on this scene."""
+    from pydlpoly.tradeoff.cli import measure_and_tell
+
+    scene, folder = _scene(directory, example, control, field, config, lenient=lenient)
+    record = read_control(folder / "CONTROL" if control is None else control, lenient=lenient)
+    code = measure_and_tell(
+        scene,
+        record,
+        budget=budget,
+        target=target,
+        integrators=integrators,
+        timesteps=timesteps,
+        precisions=precision,
+        threads=threads,
+        seed=seed,
+        diffusion=diffusion,
+        everything=everything,
+        json_file=json_file,
+        plot=plot,
+    )
+    raise typer.Exit(code)
 
 
 app.command()(bench)

@@ -3,9 +3,32 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pydlpoly.bench.results import Report
 from pydlpoly.errors import InputError, RunError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def new_figure(path: Path, width: float, height: float) -> Figure:
+    """Return an empty figure of this size in inches. Raises InputError when matplotlib is missing."""
+    try:
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise InputError("a plot needs matplotlib: pip install matplotlib", path=str(path)) from None
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure; the name's ending says the format. See ``write_plot`` for the errors."""
+    try:
+        figure.savefig(path)
+    except ValueError as error:
+        raise InputError(f"cannot be drawn: {error}", path=str(path)) from error
+    except OSError as error:
+        raise RunError(f"{path}: cannot be written: {error.strerror or error}") from error
 
 
 def write_plot(report: Report, path: Path) -> None:
@@ -15,12 +38,8 @@ def write_plot(report: Report, path: Path) -> None:
         InputError: matplotlib is missing, or it does not know the format.
         RunError: the file cannot be written.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise InputError("a plot needs matplotlib: pip install matplotlib", path=str(path)) from None
     rows = [(scene.name, one) for scene in report.scenes for one in scene.contenders]
-    figure = Figure(figsize=(8.0, 1.2 + 0.32 * len(rows)), layout="constrained")
+    figure = new_figure(path, 8.0, 1.2 + 0.32 * len(rows))
     axes = figure.subplots()
     labels = list(dict.fromkeys(one.label for _, one in rows))
     for place, (_, one) in enumerate(rows):
@@ -30,9 +49,4 @@ def write_plot(report: Report, path: Path) -> None:
     axes.set_yticks(range(len(rows)), [f"{name}\n{one.label}" for name, one in rows], fontsize=7)
     axes.invert_yaxis()
     axes.set_xlabel(f"million bead-steps a second\n{report.machine.text()}", fontsize=7)
-    try:
-        figure.savefig(path)
-    except ValueError as error:
-        raise InputError(f"cannot be drawn: {error}", path=str(path)) from error
-    except OSError as error:
-        raise RunError(f"{path}: cannot be written: {error.strerror or error}") from error
+    save_figure(figure, path)

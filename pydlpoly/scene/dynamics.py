@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import Any, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pydlpoly.formats.keywords import KEYWORDS
 from pydlpoly.formats.records import Configuration, FloatArray
@@ -156,20 +157,26 @@ def _integrator(settings: Settings) -> str:
     return order
 
 
-def check_limits(dynamics: Dynamics, pairs: tuple[PairTerm, ...], layout: Layout, settings: Settings) -> None:
-    """Raise SceneError where a pair map is not defined for the timestep: too strong a drag, or too high a rate."""
-    limits = {
-        "peters-first": (2.0, "peters-first needs drag x timestep / reduced mass below 2; peters has no such limit"),
-        "lowe-andersen": (1.0, "the probability that a pair is chosen in one step would be above 1"),
-        "stoyanov-groot": (1.0, "the probability that a pair is chosen in one step would be above 1"),
-    }
-    if dynamics.integrator not in limits:
-        return
-    limit, words = limits[dynamics.integrator]
-    mobile = ~layout.frozen
-    lightest = [
-        float(layout.mass[mobile & (layout.species == k)].min(initial=np.inf)) for k in range(len(layout.species_names))
-    ]
+_LIMITS = {
+    "peters-first": (2.0, "peters-first needs drag x timestep / reduced mass below 2; peters has no such limit"),
+    "lowe-andersen": (1.0, "the probability that a pair is chosen in one step would be above 1"),
+    "stoyanov-groot": (1.0, "the probability that a pair is chosen in one step would be above 1"),
+}
+
+
+def limit_exceeded(
+    dynamics: Dynamics,
+    pairs: tuple[PairTerm, ...],
+    names: tuple[str, ...],
+    mass: FloatArray,
+    species: NDArray[np.int32],
+    frozen: NDArray[np.bool_],
+) -> str | None:
+    """Say where a pair map is not defined for the timestep, or return None: too strong a drag, or too high a rate."""
+    if dynamics.integrator not in _LIMITS:
+        return None
+    limit, words = _LIMITS[dynamics.integrator]
+    lightest = [float(mass[~frozen & (species == k)].min(initial=np.inf)) for k in range(len(names))]
     for term in pairs:
         a, b = term.species
         inverse = 1.0 / lightest[a] + 1.0 / lightest[b]
@@ -178,8 +185,16 @@ def check_limits(dynamics: Dynamics, pairs: tuple[PairTerm, ...], layout: Layout
         else:
             found = (dynamics.collision_rate or 0.5 * term.drag * inverse) * dynamics.timestep
         if found > limit or (found == limit and dynamics.integrator == "peters-first"):
-            names = f"{layout.species_names[a]} {layout.species_names[b]}"
-            raise settings.refusal("ensemble_dpd_order", f"pair {names}: {words}; here it is {found:.4g}")
+            return f"pair {names[a]} {names[b]}: {words}; here it is {found:.4g}"
+    return None
+
+
+def check_limits(dynamics: Dynamics, pairs: tuple[PairTerm, ...], layout: Layout, settings: Settings) -> None:
+    """Raise SceneError where a pair map is not defined for the timestep: too strong a drag, or too high a rate."""
+    names = tuple(layout.species_names)
+    exceeded = limit_exceeded(dynamics, pairs, names, layout.mass, layout.species, layout.frozen)
+    if exceeded is not None:
+        raise settings.refusal("ensemble_dpd_order", exceeded)
 
 
 def resolve_run(settings: Settings, thermostat: bool, config: Configuration, notes: Notes) -> RunPlan:
