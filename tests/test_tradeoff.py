@@ -214,7 +214,8 @@ def test_candidates_of_a_thermostat() -> None:
     scene = water()
     found = candidates_for(scene)
     assert {one.name for one in found} == {
-        *("mdvv 0.5", "mdvv 0.65", "dpdvv", "first", "second", "peters", "lowe-andersen", "ou-middle", "middle")
+        *("mdvv 0.5", "mdvv 0.65", "mdvv 0.9 half", "dpdvv", "first", "second", "peters", "lowe-andersen"),
+        *("ou-middle", "middle", "middle every 4"),
     }
     assert sorted({one.timestep for one in found}) == pytest.approx([0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.06])
     assert [one.label for one in found if one.own] == ["mdvv 0.5, 0.01, double"]
@@ -369,7 +370,7 @@ def test_interrupt_keeps_what_is_known(after: int) -> None:
     )
     assert report.interrupted
     assert report.seconds < 29.0
-    assert len(report.candidates) == 2
+    assert len(report.candidates) == 8
 
 
 def test_error_of_a_short_run_is_not_below_what_the_reference_says() -> None:
@@ -437,7 +438,7 @@ def test_pasted_lines_make_the_recommended_scene(cli, tmp_path: Path, style: str
         lines = ["t", "temperature 1.2027165301233615", "ensemble nvt mdvv", "cutoff 1.0", "vdw direct"]
         (tmp_path / "CONTROL").write_text("\n".join([*lines, "timestep 0.01", "steps 40", "no elec", "finish", ""]))
     before = listing(tmp_path)
-    words = ["--budget", "3s", "--target", "40%", "--integrators", "middle", "--timesteps", "0.02", "--threads", 1]
+    words = ["--budget", "3s", "--target", "40%", "--integrators", "ou-middle", "--timesteps", "0.02", "--threads", 1]
     done = cli(tmp_path, *words)
     assert done.code == 0, done.out
     assert listing(tmp_path) == before
@@ -449,7 +450,7 @@ def test_pasted_lines_make_the_recommended_scene(cli, tmp_path: Path, style: str
     text[1:1] = lines
     (tmp_path / "CONTROL").write_text("\n".join([*text, ""]))
     dynamics = load(tmp_path).dynamics
-    assert (dynamics.integrator, dynamics.timestep) == ("middle", pytest.approx(0.02))
+    assert (dynamics.integrator, dynamics.timestep) == ("ou-middle", pytest.approx(0.02))
 
 
 # -- the command ------------------------------------------------------------------------------------------------------
@@ -468,7 +469,7 @@ def test_command_with_json_and_plot(cli, tmp_path: Path) -> None:
     assert "the earlier file is now" in done.err
     report = json.loads((tmp_path / "t.json").read_text())
     assert report["format"] == 1
-    assert len(report["candidates"]) == 2
+    assert len(report["candidates"]) == 8
     assert (tmp_path / "t.png").read_bytes().startswith(b"\x89PNG")
 
 

@@ -19,8 +19,11 @@ MULTIPLES = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0)
 DEFAULTS = ("mdvv", "dpdvv", "first", "second", "peters", "lowe-andersen", "ou-middle", "middle")
 """Integrators that are tried in scenes with a thermostat."""
 
-LAMBDAS = (0.5, 0.65)
-"""Values of Groot and Warren's λ that are tried with mdvv."""
+LAMBDAS = ((0.5, False), (0.65, False), (0.9, True))
+"""Groot and Warren's λ that are tried with mdvv, and whether the kinetic temperature is that of half steps."""
+
+INTERVALS = (1, 4)
+"""Steps from one thermostat step to the next that are tried with middle."""
 
 OTHER_DYNAMICS = frozenset({"lowe-andersen", "stoyanov-groot", "nose-hoover-langevin"})
 """Integrators with the same averages but other drag, and so another viscosity and diffusion, than the rest."""
@@ -34,7 +37,8 @@ class Candidate:
 
     Attributes:
         integrator, timestep, precision: as in ``Dynamics``.
-        prediction: λ of mdvv, else None.
+        prediction: λ of mdvv, else None; ``half``: whether its kinetic temperature is that of half steps.
+        interval: steps from one thermostat step of middle and ou-middle to the next.
         path: "fast" or "general"; "" when that could not be found out.
         own: whether these are the scene's settings.
         refused: why it cannot be run, else "".
@@ -47,16 +51,24 @@ class Candidate:
     path: str = ""
     own: bool = False
     refused: str = ""
+    half: bool = False
+    interval: int = 1
 
     @property
     def name(self) -> str:
-        """Integrator, with λ for mdvv."""
-        return self.integrator if self.prediction is None else f"{self.integrator} {self.prediction:g}"
+        """Integrator and what it is tried with."""
+        return full_name(self.integrator, self.prediction, self.half, self.interval)
 
     @property
     def label(self) -> str:
         """Everything that tells it from the others."""
         return f"{self.name}, {self.timestep:g}, {self.precision}"
+
+
+def full_name(integrator: str, prediction: float | None, half: bool, interval: int) -> str:
+    """Return for example ``mdvv 0.9 half`` or ``middle every 4``."""
+    words = [integrator, *([] if prediction is None else [f"{prediction:g}"]), *(["half"] if half else [])]
+    return " ".join([*words, *([f"every {interval}"] if interval > 1 else [])])
 
 
 def variant(scene: Scene, candidate: Candidate) -> Scene:
@@ -69,7 +81,9 @@ def variant(scene: Scene, candidate: Candidate) -> Scene:
         schedule=None,
     )
     if candidate.prediction is not None:
-        dynamics = replace(dynamics, prediction=candidate.prediction)
+        dynamics = replace(dynamics, prediction=candidate.prediction, half_step_kinetic=candidate.half)
+    if candidate.integrator in ("middle", "ou-middle"):
+        dynamics = replace(dynamics, interval=candidate.interval)
     if candidate.integrator == "stoyanov-groot" and scene.dynamics.integrator != "stoyanov-groot":
         dynamics = replace(dynamics, coupling=_COUPLING)
     return replace(scene, dynamics=dynamics)
@@ -100,17 +114,15 @@ def candidates_for(
     arithmetics = _precisions(precisions)
     found: list[Candidate] = []
     for name in names:
-        for prediction in _predictions(scene, name):
-            paths = {
-                precision: _path(scene, Candidate(name, scene.dynamics.timestep, precision, prediction))
-                for precision in arithmetics
-            }
+        for one in _settings(scene, name):
+            paths = {precision: _path(scene, replace(one, precision=precision)) for precision in arithmetics}
             kept = arithmetics
             if paths.get("double") == paths.get("mixed") == "general":  # the same bits
                 idle = "double" if scene.dynamics.precision == "mixed" else "mixed"
                 kept = [precision for precision in arithmetics if precision != idle]
             for precision, step in product(kept, dict.fromkeys(sorted(steps))):
-                found.append(_judged(scene, Candidate(name, step, precision, prediction, paths[precision])))
+                path = paths[precision]
+                found.append(_judged(scene, replace(one, timestep=step, precision=precision, path=path)))
     return found
 
 
@@ -147,11 +159,19 @@ def _precisions(precisions: Sequence[str] | None) -> list[Precision]:
     return [valid[word] for word in dict.fromkeys(chosen)]
 
 
-def _predictions(scene: Scene, integrator: str) -> list[float | None]:
-    if integrator != "mdvv":
-        return [None]
-    own = [scene.dynamics.prediction] if scene.dynamics.integrator == "mdvv" else []
-    return list(dict.fromkeys([*LAMBDAS, *own]))
+def _settings(scene: Scene, integrator: str) -> list[Candidate]:
+    """What an integrator is tried with; timestep and precision are the scene's."""
+    dynamics = scene.dynamics
+    plain = Candidate(integrator, dynamics.timestep, dynamics.precision)
+    own = dynamics.integrator == integrator
+    if integrator == "mdvv":
+        pairs = [*LAMBDAS, *([(dynamics.prediction, dynamics.half_step_kinetic)] if own else [])]
+        return [replace(plain, prediction=prediction, half=half) for prediction, half in dict.fromkeys(pairs)]
+    intervals = {"middle": INTERVALS, "ou-middle": (1,)}.get(integrator, ())
+    if not intervals:
+        return [plain]
+    every = [*intervals, *([dynamics.interval] if own else [])]
+    return [replace(plain, interval=interval) for interval in dict.fromkeys(every)]
 
 
 def _path(scene: Scene, candidate: Candidate) -> str:
@@ -169,5 +189,7 @@ def _judged(scene: Scene, candidate: Candidate) -> Candidate:
 
 
 def _same(one: Dynamics, other: Dynamics) -> bool:
-    keys = ["integrator", "timestep", "precision", *(["prediction"] if one.integrator == "mdvv" else [])]
+    keys = ["integrator", "timestep", "precision"]
+    keys += ["prediction", "half_step_kinetic"] if one.integrator == "mdvv" else []
+    keys += ["interval"] if one.integrator in ("middle", "ou-middle") else []
     return all(getattr(one, key) == getattr(other, key) for key in keys)

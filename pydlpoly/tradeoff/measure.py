@@ -621,7 +621,18 @@ class _Measurement:
 
     def _measured(self, one: _Running) -> Measured:
         c = one.candidate
-        found = Measured(c.integrator, c.timestep, c.precision, c.prediction, c.path, c.own, "not run", one.why)
+        found = Measured(
+            c.integrator,
+            c.timestep,
+            c.precision,
+            c.prediction,
+            c.path,
+            c.own,
+            "not run",
+            one.why,
+            half=c.half,
+            interval=c.interval,
+        )
         if one.unstable:
             return replace(found, status="unstable")
         if not one.deviations or not one.ratios:
@@ -681,8 +692,10 @@ class _Measurement:
 def _own(scene: Scene) -> Candidate:
     """The scene's settings as a candidate."""
     dynamics = scene.dynamics
-    prediction = dynamics.prediction if dynamics.integrator == "mdvv" else None
-    return Candidate(dynamics.integrator, dynamics.timestep, dynamics.precision, prediction)
+    own = Candidate(dynamics.integrator, dynamics.timestep, dynamics.precision)
+    if dynamics.integrator == "mdvv":
+        return replace(own, prediction=dynamics.prediction, half=dynamics.half_step_kinetic)
+    return replace(own, interval=dynamics.interval) if dynamics.integrator in ("middle", "ou-middle") else own
 
 
 def _settled(energies: FloatArray, parts: int = 3) -> bool:

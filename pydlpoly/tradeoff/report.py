@@ -13,6 +13,7 @@ from pydlpoly.bench.results import Machine, Spread, significant
 from pydlpoly.errors import InputError
 from pydlpoly.formats.control import write_control
 from pydlpoly.formats.records import Control, Setting, SettingValue
+from pydlpoly.tradeoff.candidates import full_name
 from pydlpoly.tradeoff.statistics import REACH, Deviation, Verdict
 
 FORMAT = 1
@@ -36,7 +37,8 @@ class Measured:
     """What was found for one candidate.
 
     Attributes:
-        integrator, timestep, precision, prediction, path: see ``Candidate``; the timestep in ps, or reduced.
+        integrator, timestep, precision, prediction, half, interval, path: see ``Candidate``; the timestep in ps, or
+            reduced.
         own: whether these are the scene's settings.
         status: "measured", "unstable" or "not run".
         why: what happened when it is not "measured", or why it got no more time.
@@ -66,11 +68,13 @@ class Measured:
     verdict: Verdict = "cannot tell"
     front: bool = False
     given_up: bool = False
+    half: bool = False
+    interval: int = 1
 
     @property
     def name(self) -> str:
-        """Integrator, with λ for mdvv."""
-        return self.integrator if self.prediction is None else f"{self.integrator} {self.prediction:g}"
+        """Integrator and what it was tried with."""
+        return full_name(self.integrator, self.prediction, self.half, self.interval)
 
     @property
     def label(self) -> str:
@@ -256,6 +260,10 @@ def control_lines(one: Measured, time_unit: str, control: Control | None = None)
         settings += [("ensemble_dpd_order", one.integrator, None)]
         if one.prediction is not None and (one.prediction != 0.5 or _has(control, "ensemble_dpd_lambda")):
             settings.append(("ensemble_dpd_lambda", one.prediction, None))
+        if one.half or _has(control, "ensemble_dpd_kinetic"):
+            settings.append(("ensemble_dpd_kinetic", "half" if one.half else "whole", None))
+        if one.interval > 1 or _has(control, "ensemble_dpd_interval"):
+            settings.append(("ensemble_dpd_interval", one.interval, None))
     else:
         settings.append(("ensemble", "nve", None))
     settings.append(("timestep", timestep, unit))
@@ -269,7 +277,7 @@ def control_lines(one: Measured, time_unit: str, control: Control | None = None)
         try:
             lines = write_control(replace(record, style="old")).splitlines()
             return [line for line in lines if line.split()[:1] and line.split()[0] in ("ensemble", "timestep")]
-        except InputError:  # λ, or a precision
+        except InputError:  # λ, an interval, or a precision
             return ["# after: pydlpoly convert CONTROL --to new", *write_control(record).splitlines()[1:]]
     return write_control(record).splitlines()[1:]
 
