@@ -105,12 +105,13 @@ def pair_lines(pairs: Pairs, path: str = "pairs") -> tuple[PairLine, ...]:
         InputError: a key is no pair of names, a value is not a law's key with its numbers, or a pair is given twice.
     """
     lines: list[PairLine] = []
+    seen: set[tuple[str, ...]] = set()
     for species, law in pairs.items():
         # A string of two letters would pass for two species.
         if not (isinstance(species, tuple) and len(species) == 2 and all(isinstance(name, str) for name in species)):
             raise InputError("the key of a pair is a tuple of two species names", path=path, word=str(species))
         names = f"{species[0]} {species[1]}"
-        if any(sorted(species) == sorted(line.species) for line in lines):
+        if tuple(sorted(species)) in seen:
             raise InputError("this pair is given twice", path=path, word=names)
         if isinstance(law, str) or not law or not isinstance(law[0], str):
             raise InputError("expected a law's key and its numbers, as in ('dpd', 25.0, 1.0)", path=path, word=names)
@@ -119,5 +120,6 @@ def pair_lines(pairs: Pairs, path: str = "pairs") -> tuple[PairLine, ...]:
         except (TypeError, ValueError):
             message = f"after the key {law[0]!r} only numbers can follow, not {tuple(law[1:])}"
             raise InputError(message, path=path, word=names) from None
+        seen.add(tuple(sorted(species)))
         lines.append(PairLine((species[0], species[1]), law[0].lower()[:4], numbers))
     return tuple(lines)

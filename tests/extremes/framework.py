@@ -5,6 +5,7 @@ A case returns what it saw. Tests (test_extremes.py) require that it holds; docs
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -82,11 +83,11 @@ def plan(simulation: Simulation) -> str:
 
 
 def on_path(scene: Scene, path: str, *, threads: int = 1, seed: int = SEED) -> Simulation:
-    """Return the simulation on one of PATHS; a prediction that is not quite 1/2 asks for the general path."""
+    """Return the simulation on one of PATHS; an exponent that is 2 but for one bit asks for the general path."""
     precision = {"fast, mixed": "mixed", "reference": "reference"}.get(path, "double")
     dynamics = replace(scene.dynamics, precision=precision)
     if path == "general":
-        dynamics = replace(dynamics, prediction=0.5 + 1e-12)
+        dynamics = replace(dynamics, weight_exponent=math.nextafter(2.0, 3.0))
     simulation = Simulation(replace(scene, dynamics=dynamics), seed=seed, threads=threads)
     assert plan(simulation).startswith("fast" if path.startswith("fast") else "general"), plan(simulation)
     return simulation
