@@ -24,7 +24,7 @@ class Notes:
 
     def __init__(self) -> None:
         """Start without notes."""
-        self._notes: list[Note] = []
+        self._notes: dict[Note, None] = {}  # in order, each once
 
     def warning(self, text: str, where: str = "") -> None:
         """Add something that could change results."""
@@ -39,9 +39,7 @@ class Notes:
         self._add("choice", text, where)
 
     def _add(self, kind: Literal["warning", "ignored", "choice"], text: str, where: str) -> None:
-        note = Note(kind, text, where)
-        if note not in self._notes:
-            self._notes.append(note)
+        self._notes.setdefault(Note(kind, text, where))
 
     def all(self) -> tuple[Note, ...]:
         """Return the notes so far."""
