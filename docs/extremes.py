@@ -67,6 +67,7 @@ def page(chosen: Sequence[Case]) -> tuple[list[str], str]:
         if case.topic != topic:
             topic = case.topic
             lines.append(f"## {topic}\n\n| case | what happens | measured |\n| --- | --- | --- |")
+        sys.stderr.write(f"{topic}: {case.name}\n")
         expected, line = row(case)
         if not expected:
             unexpected.append(f"{case.topic}: {case.name}")

@@ -85,19 +85,20 @@ _SWEEPS = [name for name, info in INTEGRATORS.items() if info.kind == "sweep"]
 def gas(order: str, timestep: float) -> Seen:
     """The ideal gas (a = 0) has exactly the temperature asked for, whatever the timestep, masses and drags.
 
-    The temperature of 3000 beads has the standard deviation sqrt(2/9000) = 0.0149. Its slowest part, the light beads
-    that meet with a drag of 1, decays in about 1; over a time of 150 the standard error is at most
-    0.0149 sqrt(2/150) = 0.0017.
+    The temperature of 3000 beads has the standard deviation sqrt(2/9000) = 0.0149 and forgets in about 0.5; over a
+    time of 60 the standard error is 0.0149 sqrt(2 0.5/60) = 0.002. That of twelve blocks must agree with it.
     """
     simulation = Simulation(mixture(order, 0.0, timestep, 1000), seed=SEED, threads=2)
     every = max(1, round(0.05 / timestep))
     simulation.run(round(5.0 / timestep))
     seen = []
-    for _ in range(round(150.0 / timestep / every)):
+    for _ in range(round(60.0 / timestep / every)):
         simulation.run(every)
         seen.append(simulation.temperature)
     check_finite(simulation)
     assert momentum(simulation) < 1e-11
+    blocks = [np.mean(block) for block in np.array_split(seen, 12)]
+    assert np.std(blocks, ddof=1) / 12**0.5 < 0.0035, "the error is not that stated"
     return Seen("mean temperature", float(np.mean(seen)), 1.0, 0.005)
 
 

@@ -171,6 +171,12 @@ for _order in INTEGRATORS:
             _fault = "no limit of drag x timestep is checked" if (_order, _drag) == ("middle", 1e2) else ""
             CASES.add(_name, partial(gas_temperature, _order, _drag), fault=_fault)
 
+CASES.add(
+    "drag 150 at a timestep of 0.01, middle",
+    partial(gas_temperature, "middle", 150.0),
+    fault="no limit of drag x timestep is checked: T = 60",
+)
+
 # Timesteps --------------------------------------------------------------------------------------------------------
 
 

@@ -61,7 +61,7 @@ def isolated_pairs(order: str, relaxation: float, precision: str, masses: tuple[
         control["ensemble_dpd_rate"] = f"{relaxation / _TIMESTEP!r} ps^-1"
     scene = make_scene(
         {"A": _PAIRS, "B": _PAIRS},
-        [f"A A dpd 0.0 1.0 {drag!r}", f"A B dpd 0.0 1.0 {drag!r}", f"B B dpd 0.0 1.0 {drag!r}"],
+        [f"A A dpd 0.0 1.0 {0.1 * drag!r}", f"A B dpd 0.0 1.0 {drag!r}", f"B B dpd 0.0 1.0 {0.1 * drag!r}"],
         cell=edge,
         positions=positions,
         velocities=np.zeros((2 * _PAIRS, 3)),
