@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -897,6 +898,37 @@ void FluidOf<Record>::observe_totals(PairTotals& totals) const {
     }
 }
 
+// Why fixed-point numbers would round away what happens in a step; empty when they do not. A momentum, an impulse and a
+// move that are usual in the scene must be at least so many of their units.
+std::string coarse(const Box& box, const Kinds& kinds, const PairTable& table, const StepSettings& settings,
+                   double range) {
+    constexpr double least = 256.0;
+    const bool mixed = settings.precision == Precision::mixed;
+    const int momentum_bits = mixed ? MixedRecord::momentum_bits : DoubleRecord::momentum_bits;
+    const int position_bits = mixed ? MixedRecord::position_bits : DoubleRecord::position_bits;
+    const double momentum_unit = std::ldexp(1.0, std::ilogb(range) + 1 - momentum_bits);
+    const double position_unit = std::ldexp(box.cell().diagonal().maxCoeff(), -position_bits);
+    double lightest = std::numeric_limits<double>::infinity();
+    double heaviest = 0.0;
+    for (const Kinds::Kind& kind : kinds.list) {
+        if (!kind.frozen) {
+            lightest = std::min(lightest, kind.mass);
+            heaviest = std::max(heaviest, kind.mass);
+        }
+    }
+    const double energy = range * range / (1600.0 * heaviest);  // see momentum_range
+    const double momentum = std::sqrt(lightest * energy);
+    const double move = settings.timestep * std::sqrt(energy / heaviest);
+    const double impulse = settings.timestep * energy / table.range();
+    if (!(momentum >= least * momentum_unit)) {
+        return "the masses are too unlike for fixed-point momenta";
+    }
+    if (!(impulse >= least * momentum_unit) || !(move >= least * position_unit)) {
+        return "the timestep is too short for fixed-point numbers";
+    }
+    return {};
+}
+
 }  // namespace
 
 std::string refusal(const Box& box, const Particles& particles, const PairTable& table, const StepSettings& settings,
@@ -958,10 +990,11 @@ std::string refusal(const Box& box, const Particles& particles, const PairTable&
     if (kinds.list.empty()) {
         return "there are no beads, or more than 16 combinations of species, mass and frozen";
     }
-    if (!(momentum_range(kinds, table, settings.thermal_energy) > 0.0)) {
+    const double range = momentum_range(kinds, table, settings.thermal_energy);
+    if (!(range > 0.0)) {
         return "there is neither a temperature nor a repulsion to choose a range of momenta from";
     }
-    return {};
+    return coarse(box, kinds, table, settings, range);
 }
 
 std::unique_ptr<Fluid> make_fluid(const State& state, const PairTable& table, const StepSettings& settings,

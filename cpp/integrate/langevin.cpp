@@ -39,14 +39,14 @@ void Langevin::start(State& state, Forces& forces, const StepSettings& settings,
 void Langevin::step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {
     Particles& particles = state.particles;
     kick(particles, 0.5 * settings.timestep);
-    drift(state, 0.5 * settings.timestep);
+    drift(state, settings, 0.5 * settings.timestep);
     advance_clock(state, settings);
     thermalise(state, settings);
     std::optional<Matrix3> kinetic;
     if (observe) {
         kinetic = kinetic_tensor(particles);
     }
-    drift(state, 0.5 * settings.timestep);
+    drift(state, settings, 0.5 * settings.timestep);
     compute_forces(state, forces, settings, conservative_request(state, settings, observe), particles.velocity, totals);
     totals.kinetic = kinetic;
     kick(particles, 0.5 * settings.timestep);

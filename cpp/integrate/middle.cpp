@@ -44,7 +44,7 @@ void Middle::step(State& state, Forces& forces, const StepSettings& settings, bo
     Particles& particles = state.particles;
     PairTotals of_motion;
     kick(particles, 0.5 * settings.timestep);
-    drift(state, 0.5 * settings.timestep);
+    drift(state, settings, 0.5 * settings.timestep);
     advance_clock(state, settings);
     if (settings.drag && state.step % static_cast<std::uint64_t>(settings.thermostat_every) == 0) {
         thermalise(state, forces, settings, observe, of_motion);
@@ -53,7 +53,7 @@ void Middle::step(State& state, Forces& forces, const StepSettings& settings, bo
     if (observe) {
         kinetic = kinetic_tensor(particles);
     }
-    drift(state, 0.5 * settings.timestep);
+    drift(state, settings, 0.5 * settings.timestep);
     compute_forces(state, forces, settings, conservative_request(state, settings, observe), particles.velocity, totals);
     totals.drag = of_motion.drag;
     totals.noise = of_motion.noise;

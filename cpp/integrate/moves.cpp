@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
+#include <sstream>
 #include <string>
 
 #include "core/failure.hpp"
@@ -22,9 +24,36 @@ void kick(Particles& particles, double time) {
     }
 }
 
-void drift(State& state, double time) {
+void drift(State& state, const StepSettings& settings, double time) {
     Particles& particles = state.particles;
     const Eigen::Index beads = particles.count();
+    const double longest =
+        settings.longest_move > 0.0 ? settings.longest_move : std::numeric_limits<double>::infinity();
+    const double most = longest * longest / (time * time);
+    std::atomic<Eigen::Index> fast{-1};
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static)
+#endif
+    for (Eigen::Index i = 0; i < beads; ++i) {
+        if (!(particles.velocity.row(i).squaredNorm() <= most)) {
+            Eigen::Index first = fast;
+            while ((first < 0 || i < first) && !fast.compare_exchange_weak(first, i)) {
+            }
+        }
+    }
+    if (fast >= 0) {
+        const double moves = particles.velocity.row(fast).norm() * time;
+        std::ostringstream text;
+        text.precision(4);
+        text << "step " << state.step + 1 << ": bead " << fast + 1;
+        if (std::isfinite(moves)) {
+            text << " would move by " << moves << ", farther than the pair interactions reach (" << longest << ")";
+        } else {
+            text << " has a velocity that is not a number";
+        }
+        text << "; the timestep is too long for the forces or velocities";
+        throw RunFailure(text.str());
+    }
     std::atomic<Eigen::Index> lost{-1};
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static)

@@ -10,8 +10,9 @@ namespace dlpoly {
 // v += time · F/m.
 void kick(Particles& particles, double time);
 
-// r += time · v, wrapped into the cell. Throws RunFailure naming a bead whose position is not finite.
-void drift(State& state, double time);
+// r += time · v, wrapped into the cell. Throws RunFailure naming a bead whose position is not finite, or that moves
+// farther than settings.longest_move; the state is then that before the drift.
+void drift(State& state, const StepSettings& settings, double time);
 
 // What a force evaluation of the present step is asked for; drag and noise as the settings have them.
 ForceRequest request_of(const State& state, const StepSettings& settings, bool observe);

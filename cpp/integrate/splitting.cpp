@@ -80,7 +80,7 @@ void Splitting::step(State& state, Forces& forces, const StepSettings& settings,
         sweep(state, settings, both ? 0.5 * timestep : timestep, Stream::sweep_words, false, observe);
     }
     kick(particles, 0.5 * timestep);
-    drift(state, middle ? 0.5 * timestep : timestep);
+    drift(state, settings, middle ? 0.5 * timestep : timestep);
     if (middle) {
         if (due) {
             sweep(state, settings, timestep * settings.thermostat_every, Stream::sweep_words, false, observe);
@@ -88,7 +88,7 @@ void Splitting::step(State& state, Forces& forces, const StepSettings& settings,
         if (observe) {
             kinetic = kinetic_tensor(particles);
         }
-        drift(state, 0.5 * timestep);
+        drift(state, settings, 0.5 * timestep);
     }
     advance_clock(state, settings);
     compute_forces(state, forces, settings, conservative_request(state, settings, observe), particles.velocity, totals);

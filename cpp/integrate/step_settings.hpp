@@ -70,6 +70,7 @@ struct StepSettings {
     double timestep = 0.0;           // ps
     double thermal_energy = 0.0;     // k_B T, internal energy
     double weight_exponent = 2.0;    // s of w^D = (1 − r/r_c)^s
+    double longest_move = 0.0;       // of a bead in one step, Å: farther is a failure; 0 = no limit
     double prediction = 0.5;         // Groot–Warren's λ
     bool half_step_kinetic = false;  // the kinetic energy of mdvv is that of the half-step velocities
     Order order = Order::velocity_verlet;

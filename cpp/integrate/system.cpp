@@ -12,7 +12,9 @@ System::System(State initial, Forces all_forces, StepSettings step_settings)
     : state(std::move(initial)),
       forces(std::move(all_forces)),
       settings(step_settings),
-      integrator_(make_integrator(settings)) {}
+      integrator_(make_integrator(settings)) {
+    settings.longest_move = forces.pairs().table().range();
+}
 
 void System::set_cell_width(double width) {
     cell_width_ = width;

@@ -28,7 +28,7 @@ void VelocityVerlet::step(State& state, Forces& forces, const StepSettings& sett
     if (observe && settings.half_step_kinetic) {
         kinetic = kinetic_tensor(particles);
     }
-    drift(state, timestep);
+    drift(state, settings, timestep);
     advance_clock(state, settings);
     compute_forces(state, forces, settings, request_of(state, settings, observe),
                    predict ? predicted_ : particles.velocity, totals);

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 
+#include "core/failure.hpp"
 #include "core/normal.hpp"
 #include "core/threads.hpp"
 #include "sweep/common_drag.hpp"
@@ -319,6 +321,14 @@ void PairSweep::apply(const Box& box, Particles& particles, const Map& map, cons
     });
     const std::vector<std::uint32_t>& order = cells_.order();
     const std::size_t beads = order.size();
+    for (std::size_t k = 0; k < beads; ++k) {
+        const Velocity& v = velocity_[k];
+        if (!std::isfinite(v.x + v.y + v.z)) {
+            throw RunFailure("step " + std::to_string(settings.step) + ": drag and noise made the velocity of bead " +
+                             std::to_string(order[k] + 1) +
+                             " something that is not a number; the timestep is too long for the drag");
+        }
+    }
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static) num_threads(threads)
 #endif

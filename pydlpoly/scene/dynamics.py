@@ -161,7 +161,12 @@ _LIMITS = {
     "peters-first": (2.0, "peters-first needs drag x timestep / reduced mass below 2; peters has no such limit"),
     "lowe-andersen": (1.0, "the probability that a pair is chosen in one step would be above 1"),
     "stoyanov-groot": (1.0, "the probability that a pair is chosen in one step would be above 1"),
+    "middle": (
+        2.0,
+        "middle is not stable unless drag x interval x timestep / reduced mass is below 2; ou-middle has no such limit",
+    ),
 }
+_LONG = 1.5  # the same product from which middle gets per cents wrong
 
 
 def limit_exceeded(
@@ -180,21 +185,35 @@ def limit_exceeded(
     for term in pairs:
         a, b = term.species
         inverse = 1.0 / lightest[a] + 1.0 / lightest[b]
-        if dynamics.integrator == "peters-first":
-            found = term.drag * dynamics.timestep * inverse
+        if dynamics.integrator in ("peters-first", "middle"):
+            found = term.drag * dynamics.interval * dynamics.timestep * inverse
         else:
             found = (dynamics.collision_rate or 0.5 * term.drag * inverse) * dynamics.timestep
-        if found > limit or (found == limit and dynamics.integrator == "peters-first"):
+        if found > limit or (found == limit and dynamics.integrator in ("peters-first", "middle")):
             return f"pair {names[a]} {names[b]}: {words}; here it is {found:.4g}"
     return None
 
 
-def check_limits(dynamics: Dynamics, pairs: tuple[PairTerm, ...], layout: Layout, settings: Settings) -> None:
+def check_limits(
+    dynamics: Dynamics, pairs: tuple[PairTerm, ...], layout: Layout, settings: Settings, notes: Notes
+) -> None:
     """Raise SceneError where a pair map is not defined for the timestep: too strong a drag, or too high a rate."""
     names = tuple(layout.species_names)
     exceeded = limit_exceeded(dynamics, pairs, names, layout.mass, layout.species, layout.frozen)
     if exceeded is not None:
         raise settings.refusal("ensemble_dpd_order", exceeded)
+    if dynamics.integrator == "nose-hoover-langevin" and not dynamics.thermal_energy > 0.0:
+        raise settings.refusal("ensemble_dpd_order", "nose-hoover-langevin needs a temperature above 0")
+    if dynamics.integrator == "middle":
+        mobile = layout.mass[~layout.frozen]
+        strongest = max((term.drag for term in pairs), default=0.0)
+        product = strongest * dynamics.interval * dynamics.timestep * 2.0 / float(mobile.min(initial=np.inf))
+        if product > _LONG:
+            notes.warning(
+                f"drag x interval x timestep / reduced mass reaches {product:.3g}; above {_LONG:g} middle may be "
+                "some per cent too hot: take a smaller interval or timestep",
+                settings.where("ensemble_dpd_order"),
+            )
 
 
 def resolve_run(settings: Settings, thermostat: bool, config: Configuration, notes: Notes) -> RunPlan:

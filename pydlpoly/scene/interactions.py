@@ -195,6 +195,18 @@ def note_small_cell(pairs: tuple[PairTerm, ...], cell_widths: Sequence[float], n
         notes.choice(f"{text} several images of another, and all count; DL_POLY would stop (error 95)")
 
 
+def check_image_noise(pairs: tuple[PairTerm, ...], cell_widths: Sequence[float], path: str) -> None:
+    """Raise SceneError where two images of a pair would have the same noise; widths as for ``note_small_cell``."""
+    reach = max((t.drag_cutoff for t in pairs if t.drag > 0.0), default=0.0)
+    width = min(cell_widths, default=math.inf)
+    if reach > 2.5 * width:
+        message = (
+            f"the cell is {width:g} ang wide, less than 2/5 of the drag's range {reach:g} ang: more images of a pair "
+            "would act on a bead than have noise of their own"
+        )
+        raise SceneError(message, path=path)
+
+
 def long_range_correction(
     settings: Settings, pairs: tuple[PairTerm, ...], periodic: tuple[bool, bool, bool], notes: Notes
 ) -> bool:

@@ -14,6 +14,7 @@ from pydlpoly.scene.bonded_laws import KINDS
 from pydlpoly.scene.cell import resolve_cell, widths, wrap
 from pydlpoly.scene.dynamics import check_limits, resolve_dynamics, resolve_run, settle_momentum, start_velocities
 from pydlpoly.scene.interactions import (
+    check_image_noise,
     long_range_correction,
     note_small_cell,
     resolve_cutoffs,
@@ -68,8 +69,9 @@ def resolve(
     cutoffs = resolve_cutoffs(settings, notes)
     cell, periodic = resolve_cell(config, cutoffs[0], notes)
     pairs = resolve_pairs(settings, field, field_units.factor, layout, dynamics, cutoffs, tables, notes)
-    check_limits(dynamics, pairs, layout, settings)
+    check_limits(dynamics, pairs, layout, settings, notes)
     note_small_cell(pairs, widths(cell)[list(periodic)].tolist(), notes)
+    check_image_noise(pairs, widths(cell)[list(periodic)].tolist(), config.path)
     dynamics, degrees = settle_momentum(dynamics, layout, external, settings, notes)
     run = resolve_run(settings, dynamics.integrator != "nve", config, notes)
     fixed = dynamics.remove_drift or degrees == 3 * sum(layout.mobile_counts()) - 3

@@ -103,15 +103,14 @@ def hard(order: str, more: dict[str, str]) -> Seen:
     return stopped(partial(fluid, order, strength=1e6, **more), 200, _TOO_LONG, latest=50)
 
 
-_UNBOUNDED = "nothing on the general path stops a run whose energy explodes, as long as positions are numbers"
 for _order in INTEGRATORS:
-    _fault = _UNBOUNDED if _order != "mdvv" else "the fast path says that a bead left its range, but not which and when"
+    _unnamed = "the fast path says that a bead left its range, but not which and when"
+    _fault = _unnamed if _order in ("mdvv", "middle") else ""
     CASES.add(f"a = 1e6 at a timestep of 0.01, {_order}", partial(hard, _order, {}), fault=_fault)
 for _order in ("nve", "mdvv"):
     CASES.add(
         f"a = 1e6 at a timestep of 0.01, {_order}, reference",
         partial(hard, _order, {"precision": "reference"}),
-        fault=_UNBOUNDED,
     )
 
 # Drags ------------------------------------------------------------------------------------------------------------
@@ -152,6 +151,7 @@ def gas_temperature_weakly_held(drag: float) -> Seen:
 
 
 _REFUSED = {
+    "middle": "middle is not stable unless drag x interval x timestep / reduced mass is below 2.*here it is",
     "peters-first": "needs drag x timestep / reduced mass below 2.*here it is",
     "lowe-andersen": "the probability that a pair is chosen in one step would be above 1; here it is",
     "stoyanov-groot": "the probability that a pair is chosen in one step would be above 1; here it is",
@@ -159,23 +159,16 @@ _REFUSED = {
 for _order in INTEGRATORS:
     for _drag in (1e-8, 1.0, 1e2, 1e4, 1e6):
         _name = f"drag {_drag:g} at a timestep of 0.01, {_order}"
-        if _order in _REFUSED and _drag >= (1e2 if _order == "peters-first" else 1e3):
+        if _order in _REFUSED and _drag >= (1e2 if _order in ("peters-first", "middle") else 1e3):
             CASES.add(_name, partial(refused, partial(gas, _order, _drag), _REFUSED[_order]))
         elif _order == "stoyanov-groot" and _drag < 1e-3:
             CASES.add(_name, partial(gas_temperature_weakly_held, _drag))
         elif (_drag >= 1e4 and _order not in SWEEPS) or (_order == "scvv" and _drag >= 1e2):
-            _fault = "velocities are not numbers after the stop" if _order == "nose-hoover-langevin" else ""
-            _run = partial(stopped, partial(gas, _order, _drag), 200, _TOO_LONG, latest=20)
-            CASES.add(_name, _run, fault=_fault)
+            CASES.add(_name, partial(stopped, partial(gas, _order, _drag), 200, _TOO_LONG, latest=20))
         else:
-            _fault = "no limit of drag x timestep is checked" if (_order, _drag) == ("middle", 1e2) else ""
-            CASES.add(_name, partial(gas_temperature, _order, _drag), fault=_fault)
+            CASES.add(_name, partial(gas_temperature, _order, _drag))
 
-CASES.add(
-    "drag 150 at a timestep of 0.01, middle",
-    partial(gas_temperature, "middle", 150.0),
-    fault="no limit of drag x timestep is checked: T = 60",
-)
+CASES.add("drag 150 at a timestep of 0.01, middle", partial(refused, partial(gas, "middle", 150.0), _REFUSED["middle"]))
 
 # Timesteps --------------------------------------------------------------------------------------------------------
 
@@ -223,20 +216,17 @@ def long_step(order: str) -> Seen:
     return stopped(partial(fluid, order, timestep=1.0), 200, _TOO_LONG, latest=50)
 
 
-for _path in PATHS:
-    if _path != "general":
-        CASES.add(f"timestep 1e-6, nve, {_path}", partial(short_steps, _path))
-        for _distance in (0.3, 0.98):
-            _fault = "impulses are rounded to the unit of 32-bit momenta" if _path == "fast, mixed" else ""
-            _name = f"timestep 1e-6, a pair at {_distance}, {_path}"
-            CASES.add(_name, partial(short_impulses, _path, _distance), fault=_fault)
+# Numbers of 32 bits are too coarse for such steps: precision mixed takes the general path.
+for _path in ("fast, double", "reference"):
+    CASES.add(f"timestep 1e-6, nve, {_path}", partial(short_steps, _path))
+    for _distance in (0.3, 0.98):
+        CASES.add(f"timestep 1e-6, a pair at {_distance}, {_path}", partial(short_impulses, _path, _distance))
 for _order in INTEGRATORS:
     CASES.add(f"timestep 1e-6, {_order}", partial(short_step_temperature, _order))
     if _order in _REFUSED:
         CASES.add(f"timestep 1, {_order}", partial(refused, partial(fluid, _order, timestep=1.0), _REFUSED[_order]))
     else:
-        _fault = _UNBOUNDED if INTEGRATORS[_order].kind == "sweep" else ""
-        CASES.add(f"timestep 1, {_order}", partial(long_step, _order), fault=_fault)
+        CASES.add(f"timestep 1, {_order}", partial(long_step, _order))
 for _value in (0.0, -0.01):
     CASES.add(
         f"timestep {_value:g}",
@@ -278,8 +268,11 @@ def start_at_zero(path: str) -> Seen:
 
 
 for _order in INTEGRATORS:
-    _fault = "its drag stays what it was, 0: T = 0 should be refused" if _order == "nose-hoover-langevin" else ""
-    CASES.add(f"T = 0, {_order}", partial(cold, _order), fault=_fault)
+    if _order == "nose-hoover-langevin":
+        _run = partial(refused, partial(fluid, _order, temperature="0.0 K"), "needs a temperature above 0")
+        CASES.add(f"T = 0, {_order}", _run)
+    else:
+        CASES.add(f"T = 0, {_order}", partial(cold, _order))
 for _path in PATHS:
     CASES.add(f"T = 0 from the start, {_path}", partial(start_at_zero, _path))
 CASES.add(
@@ -309,26 +302,15 @@ def flight(path: str, speed: float) -> Seen:
     return Seen("distance over v t", float(travelled / (speed * 0.1)), 1.0, 1e-9)
 
 
-def lost_images(speed: float) -> Seen:
-    """Each step crosses nearly 2^30 boxes, so that the count of boxes passes 2^31 in the third step."""
-    simulation = fast_beads("reference", speed, steps=1)
-    try:
-        simulation.run(4)
-    except Exception as error:
-        return Seen("stopped in step", float(simulation.step), 2.0, 0.5, f"stopped: {error}")
-    travelled = simulation.displacements()[0, 0]
-    return Seen("distance over v t", float(travelled / (speed * 0.05)), 1.0, 1e-9)
-
-
-for _speed in (1e2, 1e6):
-    CASES.add(f"velocities {_speed:g}, reference", partial(flight, "reference", _speed))
+CASES.add("velocities 100, reference", partial(flight, "reference", 1e2))
 CASES.add("velocities 100, fast, double", partial(flight, "fast, double", 1e2))
 for _path in ("fast, double", "fast, mixed"):
     CASES.add(f"velocities 1e6, {_path}", partial(stopped, partial(fast_beads, _path, 1e6, 0), 10, _TOO_LONG, latest=1))
-CASES.add(
-    "velocities 1e12, reference", partial(stopped, partial(fast_beads, "reference", 1e12, 0), 10, _TOO_LONG, latest=1)
-)
-CASES.add("velocities of 9e8 boxes a step", partial(lost_images, 7.2e11), fault="the count of boxes goes beyond 2^31")
+for _speed in (1e6, 1e12):
+    CASES.add(
+        f"velocities {_speed:g}, reference",
+        partial(stopped, partial(fast_beads, "reference", _speed, 0), 10, "bead 1 would move by 1e", latest=1),
+    )
 
 # Masses -----------------------------------------------------------------------------------------------------------
 
@@ -360,7 +342,7 @@ def equipartition(order: str) -> Seen:
     Light beads get their velocities anew in each step. From 200 beads of a species and 100 samples, each at least
     tenth of them independent, the standard error is below sqrt(2/600/10) = 0.018. The heavy ones keep their start.
     """
-    simulation = mass_scene(order, 200, 0.01)
+    simulation = mass_scene(order, 200, 1e-4)
     before = np.abs(simulation.state.velocities * simulation.scene.beads.mass[:, None]).max()
     seen = []
     for _step in range(100):
@@ -408,12 +390,9 @@ for _order in INTEGRATORS:
         CASES.add(
             f"masses 1e-6 to 1e6, {_order}",
             partial(stopped, partial(mass_scene, _order, 200, 0.01), 200, _TOO_LONG, latest=20),
-            fault="velocities are not numbers after the stop" if _order == "nose-hoover-langevin" else "",
         )
-for _path in PATHS:
-    if _path != "general":
-        _fault = "light beads' momenta are less than the unit of 32 bits" if _path == "fast, mixed" else ""
-        CASES.add(f"mass 1e-6 hits mass 1e6, {_path}", partial(mass_collision, _path), fault=_fault)
+for _path in ("fast, double", "reference"):
+    CASES.add(f"mass 1e-6 hits mass 1e6, {_path}", partial(mass_collision, _path))
 
 
 def massless(frozen: tuple[str, ...]) -> Simulation:
