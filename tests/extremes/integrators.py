@@ -78,8 +78,8 @@ def conserved(order: str, precision: str) -> Seen:
     return Seen("total momentum, relative:", momentum(simulation), 0.0, 1e-6 if precision == "mixed" else 1e-13)
 
 
-# One drag for all pairs holds the temperature of the pairs. Between the species of an ideal gas it exchanges too little to
-# forget in such a time how the energy was shared out at the start, which has an error of 1 to 2 %.
+# One drag for all pairs holds the temperature of the pairs. Between the species of an ideal gas it exchanges too
+# little to forget in such a time how the energy was shared out at the start, which has an error of 1 to 2 %.
 _SHARED = ("nose-hoover-langevin",)
 _REFUSED = {
     "peters-first": "needs drag x timestep / reduced mass below 2",
