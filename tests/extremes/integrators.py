@@ -12,7 +12,7 @@ from pydlpoly import Scene, Simulation
 from pydlpoly.scene.integrators import INTEGRATORS
 
 from ..scene_builder import make_scene
-from .framework import SEED, Cases, Seen, check_finite, momentum
+from .framework import SEED, Cases, Seen, check_finite, momentum, refused
 
 CASES = Cases("integrator")
 _MASSES = {"A": 1.0, "B": 3.0, "C": 10.0}
@@ -78,28 +78,38 @@ def conserved(order: str, precision: str) -> Seen:
     return Seen("total momentum, relative:", momentum(simulation), 0.0, 1e-6 if precision == "mixed" else 1e-13)
 
 
-# Temperatures of the middle of the step, where velocities of the whole step are not those that are thermalised.
+# One drag for all pairs holds the temperature of the pairs. Between the species of an ideal gas it exchanges too
+# little to forget in such a time how the energy was shared out at the start, which has an error of 1 to 2 %.
+_SHARED = ("nose-hoover-langevin",)
+_REFUSED = {
+    "peters-first": "needs drag x timestep / reduced mass below 2",
+    "lowe-andersen": "the probability that a pair is chosen in one step would be above 1",
+    "stoyanov-groot": "the probability that a pair is chosen in one step would be above 1",
+}
 _SWEEPS = [name for name, info in INTEGRATORS.items() if info.kind == "sweep"]
 
 
 def gas(order: str, timestep: float) -> Seen:
     """The ideal gas (a = 0) has exactly the temperature asked for, whatever the timestep, masses and drags.
 
-    The temperature of 3000 beads has the standard deviation sqrt(2/9000) = 0.0149 and forgets in about 0.5; over a
-    time of 60 the standard error is 0.0149 sqrt(2 0.5/60) = 0.002. That of twelve blocks must agree with it.
+    The temperature of 3000 beads has the standard deviation sqrt(2/9000) = 0.0149 and forgets in about 1.2; over a
+    time of 60 the standard error is 0.0149 sqrt(2 1.2/60) = 0.003, over 240 it is 0.0015. The bounds are three of them.
+    The nine sweeps of a timestep together have 0.001.
     """
     simulation = Simulation(mixture(order, 0.0, timestep, 1000), seed=SEED, threads=2)
     every = max(1, round(0.05 / timestep))
+    time = 240.0 if timestep == 0.1 else 60.0
     simulation.run(round(5.0 / timestep))
     seen = []
-    for _ in range(round(60.0 / timestep / every)):
+    for _ in range(round(time / timestep / every)):
         simulation.run(every)
         seen.append(simulation.temperature)
     check_finite(simulation)
     assert momentum(simulation) < 1e-11
+    error = 0.0015 if timestep == 0.1 else 0.003
     blocks = [np.mean(block) for block in np.array_split(seen, 12)]
-    assert np.std(blocks, ddof=1) / 12**0.5 < 0.0035, "the error is not that stated"
-    return Seen("mean temperature", float(np.mean(seen)), 1.0, 0.005)
+    assert np.std(blocks, ddof=1) / 12**0.5 < 2.0 * error, "the error is not that stated"
+    return Seen("mean temperature", float(np.mean(seen)), 1.0, 0.03 if order in _SHARED else 3.0 * error)
 
 
 def pressure(order: str) -> Seen:
@@ -132,7 +142,11 @@ for _order in INTEGRATORS:
     CASES.add(f"pressure of a mixture, {_order}", partial(pressure, _order), slow=True)
     if _order in _SWEEPS:
         for _timestep in (0.01, 0.03, 0.1):
-            CASES.add(f"ideal gas, timestep {_timestep}, {_order}", partial(gas, _order, _timestep), slow=True)
+            _name = f"ideal gas, timestep {_timestep}, {_order}"
+            if _order in _REFUSED and _timestep == 0.1:
+                CASES.add(_name, partial(refused, partial(mixture, _order, 0.0, _timestep, 1000), _REFUSED[_order]))
+            else:
+                CASES.add(_name, partial(gas, _order, _timestep), slow=True)
 for _order in ("ou-middle", "middle"):
     CASES.add(
         f"restart, {_order} with an interval of 4", partial(restart, _order, "double", {"ensemble_dpd_interval": "4"})
