@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -206,6 +207,7 @@ class FluidOf final : public Fluid {
         }
     }
 
+    [[noreturn]] void stop(State& state, std::uint64_t lost, std::uint64_t steps);
     [[noreturn]] static void report_range(std::uint64_t step, Eigen::Index bead) {
         const std::string who = bead < 0 ? "a bead" : "bead " + std::to_string(bead + 1);
         throw RunFailure(
@@ -672,6 +674,7 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
     const Pass<Record> last = pass_of({one_kind, drag, true, true});
     observed_.assign(static_cast<std::size_t>(grid_.rows()) * observed_numbers, 0.0);
     std::uint64_t overflow = 0;
+    std::atomic<std::uint64_t> lost{0};  // the step of this call in which a momentum left its range
     const int asked = thread_count();
     std::size_t parts = 1;
     bonded_workers_.assign(static_cast<std::size_t>(asked) + 1,
@@ -715,9 +718,15 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
             a.drift = thermostat_due(state.step + k + 1) ? half_drift_.data() : drift_.data();
             set_word_key(a, settings, state.step + k + 1);
             (k < steps ? inner : last)(a, begin, end);
+            if (a.overflow != 0) {
+                lost = k;
+            }
 #ifdef _OPENMP
 #pragma omp barrier
 #endif
+            if (lost != 0) {
+                break;  // in all threads: they see it after the barrier, and none goes on to set it again
+            }
         }
 #ifdef _OPENMP
 #pragma omp critical
@@ -729,9 +738,43 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
         observe_bonded(state);
     }
     if (overflow != 0 || bonded_overflow()) {
-        report_range(state.step + steps, -1);
+        stop(state, lost != 0 ? lost.load() : steps, steps);
     }
     observe_totals(totals);
+}
+
+// Leaves the beads where they were after the step that failed, and names one whose momentum is out of range.
+template <class Record>
+void FluidOf<Record>::stop(State& state, std::uint64_t lost, std::uint64_t steps) {
+    Eigen::Index first = -1;
+    if (lost < steps) {  // the beads were advanced
+        Particles& particles = state.particles;
+        for (std::size_t k = 0; k < beads_; ++k) {
+            const Record& bead = advanced_.data()[k];
+            const auto id = static_cast<Eigen::Index>(bead.tag & id_mask);
+            const Kinds::Kind& kind = kinds_.list[bead.tag >> kind_shift];
+            const std::array<Fixed, 3> position{bead.x, bead.y, bead.z};
+            const std::array<Fixed, 3> momentum{bead.px, bead.py, bead.pz};
+            for (Eigen::Index axis = 0; axis < 3; ++axis) {
+                const auto n = static_cast<std::size_t>(axis);
+                constexpr int unused_bits = static_cast<int>(8 * sizeof(Fixed)) - Record::position_bits;
+                if (kind.frozen) {
+                    continue;
+                }
+                particles.position(id, axis) = static_cast<double>(position[n] >> unused_bits) *
+                                               (edges_[axis] * std::ldexp(1.0, -Record::position_bits));
+                particles.velocity(id, axis) = static_cast<double>(momentum[n]) * axis_unit(axis) / kind.mass;
+                const bool beyond =
+                    std::abs(static_cast<double>(momentum[n])) >= std::ldexp(1.0, Record::momentum_bits);
+                first = beyond && (first < 0 || id < first) ? id : first;
+            }
+        }
+    }
+    state.step += lost;
+    for (std::uint64_t k = 0; k < lost; ++k) {
+        state.time += timestep_;
+    }
+    report_range(state.step, first);
 }
 
 // Σ m v_a v_b of the momenta between two force evaluations; with drag and noise in the middle, of those after them.

@@ -70,6 +70,7 @@ void System::run(std::uint64_t steps) {
     const auto until_multiple = [this](std::uint64_t interval, std::uint64_t most) {
         return interval > 0 ? std::min(most, interval - state.step % interval) : most;
     };
+    ready = false;  // until all steps are taken: one that fails leaves forces of other positions
     while (steps > 0) {
         // The fast path stops where something looks at the beads or changes them between steps.
         std::uint64_t stride = fluid_ ? until_multiple(distances ? distances_every : 0, steps) : 1;
@@ -88,6 +89,7 @@ void System::run(std::uint64_t steps) {
             distances->sample(state.box, state.particles);
         }
     }
+    ready = true;
 }
 
 void System::enable_distances(double range, std::int32_t bins, std::uint64_t every, std::uint64_t after) {

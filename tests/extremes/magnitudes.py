@@ -104,9 +104,7 @@ def hard(order: str, more: dict[str, str]) -> Seen:
 
 
 for _order in INTEGRATORS:
-    _unnamed = "the fast path says that a bead left its range, but not which and when"
-    _fault = _unnamed if _order in ("mdvv", "middle") else ""
-    CASES.add(f"a = 1e6 at a timestep of 0.01, {_order}", partial(hard, _order, {}), fault=_fault)
+    CASES.add(f"a = 1e6 at a timestep of 0.01, {_order}", partial(hard, _order, {}))
 for _order in ("nve", "mdvv"):
     CASES.add(
         f"a = 1e6 at a timestep of 0.01, {_order}, reference",
