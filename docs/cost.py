@@ -31,6 +31,12 @@ def fluid(beads: int, density: float = 3.0, species: int = 1, shortest: float = 
     return single_beads("fluid", counts, pairs, cube(beads, density))
 
 
+def stepped(order: str, **settings: str) -> Scene:
+    """Return DPD water of 24 000 beads under another integrator, at one timestep for all."""
+    control = {"ensemble_dpd_order": order, "timestep": "0.02 dpd_t", **settings}
+    return single_beads("water", {"W": 24_000}, {("W", "W"): _LAW}, cube(24_000, 3.0), control=control)
+
+
 def compare(fluids: Mapping[str, Scene], precision: str, reference: str) -> dict[str, str]:
     """Return the time of a bead and step relative to the reference's, median and quartiles, for each fluid."""
     running = {}
@@ -67,6 +73,21 @@ def cost(sizes: Sequence[int] = (1000, 10_000, 100_000, 1_000_000, 10_000_000)) 
             "longest over shortest cutoff, two species",
             {f"{r:g}": fluid(beads, species=2, shortest=1.0 / r) for r in (1.0, 2.0, 5.0, 10.0)},
             "1",
+        ),
+        table(
+            "a step of",
+            {
+                "mdvv": stepped("mdvv"),
+                "mdvv, λ = 0.9": stepped("mdvv", ensemble_dpd_lambda="0.9", ensemble_dpd_kinetic="half"),
+                "middle, 2 passes": stepped("middle", ensemble_dpd_passes="2"),
+                "middle": stepped("middle"),
+                "middle, every 2": stepped("middle", ensemble_dpd_interval="2"),
+                "middle, every 4": stepped("middle", ensemble_dpd_interval="4"),
+                "first": stepped("first"),
+                "ou-middle": stepped("ou-middle"),
+                "dpdvv": stepped("dpdvv"),
+            },
+            "mdvv",
         ),
         table("species", {f"{k}": fluid(beads, species=k) for k in (1, 2, 4, 8, 16, 32)}, "1"),
     ]
