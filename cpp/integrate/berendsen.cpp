@@ -17,7 +17,7 @@ void Berendsen::start(State& state, Forces& forces, const StepSettings& settings
 void Berendsen::step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {
     Particles& particles = state.particles;
     kick(particles, 0.5 * settings.timestep);
-    drift(state, settings.timestep);
+    drift(state, settings, settings.timestep);
     advance_clock(state, settings);
     compute_forces(state, forces, settings, conservative_request(state, settings, observe), particles.velocity, totals);
     kick(particles, 0.5 * settings.timestep);

@@ -14,7 +14,7 @@ void DragRecomputed::step(State& state, Forces& forces, const StepSettings& sett
                           PairTotals& totals) {
     Particles& particles = state.particles;
     kick(particles, 0.5 * settings.timestep);
-    drift(state, settings.timestep);
+    drift(state, settings, settings.timestep);
     advance_clock(state, settings);
     ForceRequest request = request_of(state, settings, observe);
     request.drag = false;

@@ -26,7 +26,7 @@ void NoseHooverLangevin::step(State& state, Forces& forces, const StepSettings& 
     Particles& particles = state.particles;
     const double timestep = settings.timestep;
     kick(particles, 0.5 * timestep);
-    drift(state, timestep);
+    drift(state, settings, timestep);
     advance_clock(state, settings);
     compute_forces(state, forces, settings, conservative_request(state, settings, observe), particles.velocity, totals);
     kick(particles, 0.5 * timestep);

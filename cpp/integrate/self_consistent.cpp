@@ -26,7 +26,7 @@ void SelfConsistent::step(State& state, Forces& forces, const StepSettings& sett
     Particles& particles = state.particles;
     const double half = 0.5 * settings.timestep;
     kick(particles, half);
-    drift(state, settings.timestep);
+    drift(state, settings, settings.timestep);
     advance_clock(state, settings);
     halfway_ = particles.velocity;
     ForceRequest request = request_of(state, settings, observe);

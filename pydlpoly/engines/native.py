@@ -17,7 +17,7 @@ from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.explain import PLANS
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
-from pydlpoly.scene.model import Bonded, PairTerm, Scene
+from pydlpoly.scene.model import Barostat, Bonded, PairTerm, Scene
 
 _PRECISIONS = {
     "double": _core.Precision.double_precision,
@@ -75,6 +75,7 @@ class NativeEngine:
     def __init__(self, scene: Scene, *, seed: int, threads: int, cell_width: float = 0.0) -> None:
         self.threads = threads
         self._tail = long_range_tail(scene)
+        self._varies = scene.dynamics.barostat is not None
         beads = scene.beads
         velocities = np.zeros((len(beads), 3)) if beads.velocities is None else beads.velocities
         try:
@@ -91,6 +92,7 @@ class NativeEngine:
             )
         except ValueError as error:
             raise SceneError(str(error)) from error
+        self._tail_volume = float(self.system.volume)
         if scene.bonded is not None:
             self.system.set_bonded(_bonded_terms(scene, scene.bonded), scene.bonded.excluded.tolist())
         for term in scene.external:
@@ -126,7 +128,8 @@ class NativeEngine:
     def totals(self) -> Totals:
         """Return what was observed at the last observed step."""
         system = self.system
-        energy, virial = self._tail
+        share = self._tail_volume / system.volume if self._varies else 1.0
+        energy, virial = (share * x for x in self._tail)
         return Totals(
             pair_energy=system.pair_energy + energy,
             conservative=system.conservative_virial_tensor - np.eye(3) * (virial / 3.0),
@@ -210,6 +213,8 @@ def _step_settings(scene: Scene, seed: int) -> _core.StepSettings:
         schedule.times, schedule.energies = list(dynamics.schedule.times), list(dynamics.schedule.energies)
         schedule.amplitude, schedule.period = dynamics.schedule.amplitude, dynamics.schedule.period
         settings.schedule = schedule
+    if dynamics.barostat is not None:
+        settings.barostat = _barostat(scene, dynamics.barostat)
     settings.remove_drift = dynamics.remove_drift
     settings.seed = seed
     settings.degrees_of_freedom = scene.degrees_of_freedom
@@ -218,6 +223,15 @@ def _step_settings(scene: Scene, seed: int) -> _core.StepSettings:
     settings.rescale_every = run.rescale_every
     settings.regauss_every = run.regauss_every
     return settings
+
+
+def _barostat(scene: Scene, given: Barostat) -> _core.Barostat:
+    barostat = _core.Barostat()
+    barostat.motion = getattr(_core.CellMotion, given.motion)
+    barostat.pressure, barostat.tension = list(given.pressure), given.tension
+    barostat.relaxation, barostat.friction = given.relaxation, given.friction
+    barostat.tail = long_range_tail(scene)[1] * abs(float(np.linalg.det(scene.cell)))
+    return barostat
 
 
 def long_range_tail(scene: Scene) -> tuple[float, float]:

@@ -140,7 +140,10 @@ def test_velocities_of_frozen_beads_are_set_to_zero(make, drifting):
 def test_old_style_files_are_told_what_is_available_in_their_own_words(make, ensemble):
     case = make()
     control = parse_control(f"old\ntemperature 1.0\ntimestep 0.01\nsteps 10\ncutoff 1.0\nensemble {ensemble}\nfinish\n")
-    available = "ensemble nve, and ensemble nvt langevin, berendsen, hoover, mdvv and the other orders of DPD"
+    available = (
+        "ensemble nve, ensemble nvt langevin, berendsen, hoover, mdvv and the other orders of DPD, and ensemble npt and "
+        "nst langevin"
+    )
     with pytest.raises(SceneError, match=rf"^CONTROL:6: .*; available are {available}$"):
         resolve(control, parse_field(case.field_text()), parse_config(case.config_text()))
 
