@@ -275,7 +275,7 @@ class Simulation:
     @property
     def cell(self) -> FloatArray:
         """(3, 3) present cell vectors by row, Å."""
-        return np.asarray(self._engine.system.cell)
+        return np.ascontiguousarray(self._engine.system.cell)
 
     @property
     def state(self) -> State:
