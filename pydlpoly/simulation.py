@@ -442,7 +442,9 @@ class Simulation:
             bonded = chosen.bonded
             if bonded is not None and stored.bonded is not None and stored.bonded.anchors is not None:
                 bonded = replace(bonded, anchors=stored.bonded.anchors)
-            simulation = cls(replace(chosen, cell=cell, bonded=bonded), threads=threads, seed=int(meta["seed"]))
+            imcon = 2 if chosen.imcon == 1 and len(set(np.diag(cell).tolist())) > 1 else chosen.imcon
+            chosen = replace(chosen, cell=cell, imcon=imcon, bonded=bonded)
+            simulation = cls(chosen, threads=threads, seed=int(meta["seed"]))
             simulation._restore(arrays, meta)
         except InputError as error:
             raise InputError(error.message, path=error.path or str(path), line=error.line, word=error.word) from error

@@ -245,6 +245,26 @@ def test_displacements_are_followed_in_scaled_coordinates() -> None:
     assert np.abs(last).max() <= 0.5
 
 
+def test_a_cube_may_continue_with_edges_of_their_own(tmp_path: Path) -> None:
+    """And the other way round; long-range corrections take part in the piston's bits."""
+    cube, box = (replace(crystal(ensemble=name), imcon=imcon) for name, imcon in (("npt", 1), ("nst", 2)))
+    first = Simulation(cube, seed=1, threads=1)
+    first.run(30)
+    first.save(tmp_path / "REVIVE")
+    assert first.scene.imcon == 1
+    second = Simulation.resume(tmp_path / "REVIVE", scene=box)
+    second.run(30)
+    second.save(tmp_path / "REVIVE")
+    assert len(set(np.diag(second.cell).tolist())) == 3
+    third = Simulation.resume(tmp_path / "REVIVE", threads=2)
+    second.run(30)
+    third.run(30)
+    assert third.cell.tobytes() == second.cell.tobytes()
+    assert third.state.positions.tobytes() == second.state.positions.tobytes()
+    assert third.energy == second.energy
+    assert Simulation.resume(tmp_path / "REVIVE", scene=cube).scene.imcon == 2
+
+
 @pytest.mark.parametrize("units", ["dpd", "kJ"])
 def test_energy_and_stress_belong_to_the_present_cell(units: str) -> None:
     """Against a scene made from the present state: pair sums, long-range corrections, units."""
@@ -377,6 +397,7 @@ def test_a_run_continues_from_its_files_in_either_ensemble(tmp_path: Path) -> No
     assert moved.tobytes() == whole.displacements().tobytes()
     simulation.run(20)
     assert simulation.observe().volume == volume == pytest.approx(whole.observe().volume, rel=1e-14)
+    assert simulation.scene.imcon == 2
     foreign = replace(scene, cell=1.01 * scene.cell)
     with pytest.raises(InputError, match="holds another cell"):
         Simulation.resume(tmp_path / "half" / "REVIVE", scene=foreign)

@@ -75,7 +75,6 @@ class NativeEngine:
     def __init__(self, scene: Scene, *, seed: int, threads: int, cell_width: float = 0.0) -> None:
         self.threads = threads
         self._tail = long_range_tail(scene)
-        self._varies = scene.dynamics.barostat is not None
         beads = scene.beads
         velocities = np.zeros((len(beads), 3)) if beads.velocities is None else beads.velocities
         try:
@@ -92,7 +91,6 @@ class NativeEngine:
             )
         except ValueError as error:
             raise SceneError(str(error)) from error
-        self._tail_volume = float(self.system.volume)
         if scene.bonded is not None:
             self.system.set_bonded(_bonded_terms(scene, scene.bonded), scene.bonded.excluded.tolist())
         for term in scene.external:
@@ -128,8 +126,7 @@ class NativeEngine:
     def totals(self) -> Totals:
         """Return what was observed at the last observed step."""
         system = self.system
-        share = self._tail_volume / system.volume if self._varies else 1.0
-        energy, virial = (share * x for x in self._tail)
+        energy, virial = (x / system.volume for x in self._tail)
         return Totals(
             pair_energy=system.pair_energy + energy,
             conservative=system.conservative_virial_tensor - np.eye(3) * (virial / 3.0),
@@ -230,19 +227,18 @@ def _barostat(scene: Scene, given: Barostat) -> _core.Barostat:
     barostat.motion = getattr(_core.CellMotion, given.motion)
     barostat.pressure, barostat.tension = list(given.pressure), given.tension
     barostat.relaxation, barostat.friction = given.relaxation, given.friction
-    barostat.tail = long_range_tail(scene)[1] * abs(float(np.linalg.det(scene.cell)))
+    barostat.tail = long_range_tail(scene)[1]
     return barostat
 
 
 def long_range_tail(scene: Scene) -> tuple[float, float]:
-    """Return the long-range corrections (energy, virial) of the scene's uncut laws, internal energy.
+    """Return the long-range corrections (energy, virial) of the scene's uncut laws times the volume, internal units.
 
-    Energy (2π/V) N_a N_b ∫_rc^∞ U r² dr for each ordered pair of species and the virial with r³ dU/dr, as DL_POLY has
+    Energy 2π N_a N_b ∫_rc^∞ U r² dr for each ordered pair of species and the virial with r³ dU/dr, as DL_POLY has
     them; pairs of frozen beads count nothing. Both are zero where the scene switches corrections off.
     """
     if not scene.long_range_correction:
         return 0.0, 0.0
-    volume = abs(float(np.linalg.det(scene.cell)))
     beads = scene.beads
     count = len(scene.species)
     total = np.bincount(beads.species, minlength=count)
@@ -252,8 +248,8 @@ def long_range_tail(scene: Scene) -> tuple[float, float]:
         a, b = term.species
         tail = _tail_of(term)
         pairs = float(total[a] * total[b] - frozen[a] * frozen[b]) * (1.0 if a == b else 2.0)
-        energy += 2.0 * math.pi / volume * pairs * tail[0]
-        virial += 2.0 * math.pi / volume * pairs * tail[1]
+        energy += 2.0 * math.pi * pairs * tail[0]
+        virial += 2.0 * math.pi * pairs * tail[1]
     return energy, virial
 
 

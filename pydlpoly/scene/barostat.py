@@ -43,6 +43,9 @@ def resolve_barostat(settings: Settings, dynamics: Dynamics, notes: Notes) -> Dy
     semi = cast(SemiIsotropic, settings.word("ensemble_semi_isotropic") if ensemble == "nst" else "off")
     tied = semi in ("tension", "orthorhombic") and settings.switch("ensemble_semi_orthorhombic")
     motion: CellMotion = "isotropic" if ensemble == "npt" else _MOTIONS[semi, tied]
+    if motion == "edges":
+        text = "each edge of the cell moves by its own: solids hold their shape, liquids do not"
+        notes.choice(text, settings.where("ensemble"))
     friction = settings.number("ensemble_barostat_friction")
     if not friction > 0.0:
         keyword = "ensemble_barostat_friction" if settings.given("ensemble_barostat_friction") else "ensemble"

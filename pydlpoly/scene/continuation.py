@@ -38,7 +38,8 @@ def check_continues(stored: Scene, scene: Scene, path: str, cells: tuple[FloatAr
     rows = list(stored.periodic)
     tolerance = _CELL_TOLERANCE * float(np.abs(stored.cell).max())
     same = [(np.abs(cell - scene.cell)[rows] <= tolerance).all() for cell in (stored.cell, *cells)]
-    if stored.imcon != scene.imcon or not any(same):
+    shapes = {stored.imcon, scene.imcon}  # a cube may become an orthorhombic cell, and a cell with equal edges a cube
+    if not (len(shapes) == 1 or shapes == {1, 2}) or not any(same):
         raise InputError("holds another cell than the scene to go on with", path=path)
     _check_bins(stored, scene, path)
 
