@@ -11,7 +11,9 @@ import numpy
 import numpy.typing
 
 __all__: list[str] = [
+    "Barostat",
     "BondedTerms",
+    "CellMotion",
     "Order",
     "PairTable",
     "Precision",
@@ -247,11 +249,87 @@ class TemperatureSchedule:
     @times.setter
     def times(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None: ...
 
+class CellMotion:
+    """
+    Which edges of the cell follow the pressure; see step_settings.hpp.
+
+    Members:
+
+      fixed
+
+      isotropic
+
+      height
+
+      square
+
+      edges
+    """
+
+    __members__: typing.ClassVar[dict[str, CellMotion]]
+    edges: typing.ClassVar[CellMotion]
+    fixed: typing.ClassVar[CellMotion]
+    height: typing.ClassVar[CellMotion]
+    isotropic: typing.ClassVar[CellMotion]
+    square: typing.ClassVar[CellMotion]
+    @typing.overload
+    def __eq__(self, other: CellMotion) -> bool: ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool: ...
+    def __getstate__(self) -> int: ...
+    def __hash__(self) -> int: ...
+    def __index__(self) -> int: ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __int__(self) -> int: ...
+    @typing.overload
+    def __ne__(self, other: CellMotion) -> bool: ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __str__(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class Barostat:
+    """
+    A Langevin piston; see cpp/integrate/piston.hpp.
+    """
+
+    motion: CellMotion
+    def __init__(self) -> None: ...
+    @property
+    def friction(self) -> float: ...
+    @friction.setter
+    def friction(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def pressure(self) -> typing.Annotated[list[float], "FixedSize(3)"]: ...
+    @pressure.setter
+    def pressure(
+        self,
+        arg0: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"],
+    ) -> None: ...
+    @property
+    def relaxation(self) -> float: ...
+    @relaxation.setter
+    def relaxation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def tail(self) -> float: ...
+    @tail.setter
+    def tail(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def tension(self) -> float: ...
+    @tension.setter
+    def tension(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
 class StepSettings:
     """
     How a step is taken; see cpp/integrate/step_settings.hpp.
     """
 
+    barostat: Barostat
     drag: bool
     half_step_kinetic: bool
     order: Order
@@ -384,6 +462,7 @@ class System:
         self,
         counts: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
         samples: typing.SupportsInt | typing.SupportsIndex,
+        volumes: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None: ...
     def run(self, steps: typing.SupportsInt | typing.SupportsIndex) -> None:
         """
@@ -418,11 +497,23 @@ class System:
         Σ F_a r_b of bonds, angles, dihedrals, inversions and tethers.
         """
     @property
+    def cell(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]:
+        """
+        Cell vectors by row. Setting them leaves the positions as they are.
+        """
+    @cell.setter
+    def cell(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"]) -> None: ...
+    @property
     def cell_counts(self) -> typing.Annotated[list[int], "FixedSize(3)"]: ...
     @property
     def conservative_virial_tensor(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]: ...
     @property
     def distance_samples(self) -> int: ...
+    @property
+    def distance_volumes(self) -> float:
+        """
+        Sum of the cell's volumes over the samples.
+        """
     @property
     def drag_virial_tensor(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]: ...
     @property
@@ -459,14 +550,14 @@ class System:
     @property
     def thermostat(self) -> list[float]:
         """
-        Variables that a thermostat keeps from step to step.
+        Variables that a thermostat or barostat keeps from step to step.
         """
     @thermostat.setter
     def thermostat(self, arg1: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None: ...
     @property
     def thermostat_energy(self) -> float:
         """
-        What a Nosé–Hoover thermostat adds to the conserved energy.
+        What a Nosé–Hoover thermostat adds to the conserved energy, or a piston to the energy: its own and P V.
         """
     @property
     def time(self) -> float: ...

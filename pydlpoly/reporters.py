@@ -71,8 +71,9 @@ def statistics_record(simulation: Simulation) -> StatisticsRecord:
 
 def _statistics_record(simulation: Simulation, seen: Observation) -> StatisticsRecord:
     units = simulation.scene.units
-    alpha, beta, gamma = _cell_angles(tuple(simulation.scene.cell.ravel().tolist()))
-    pressure_volume = seen.pressure / units.pressure_factor * seen.volume
+    alpha, beta, gamma = _cell_angles(tuple(simulation.cell.ravel().tolist()))
+    barostat = simulation.scene.dynamics.barostat
+    target = seen.pressure / units.pressure_factor if barostat is None else sum(barostat.pressure) / 3.0
     return StatisticsRecord(
         step=seen.step,
         time=seen.time,
@@ -85,7 +86,7 @@ def _statistics_record(simulation: Simulation, seen: Observation) -> StatisticsR
         angle_energy=seen.energy["angle"] / units.factor,
         dihedral_energy=(seen.energy["dihedral"] + seen.energy["inversion"]) / units.factor,
         tether_energy=seen.energy["tether"] / units.factor,
-        enthalpy=(seen.energy["total"] + pressure_volume) / units.factor,
+        enthalpy=(seen.energy["total"] + target * seen.volume) / units.factor,
         virial=seen.virial / units.factor,
         short_range_virial=seen.pair_virial / units.factor,
         bond_virial=seen.bonded_virial["bond"] / units.factor,
@@ -98,7 +99,26 @@ def _statistics_record(simulation: Simulation, seen: Observation) -> StatisticsR
         pressure=seen.pressure,
         stress=seen.stress,
         square_displacements=square_displacements(simulation),
+        variable_cell=_variable_cell(simulation, seen),
     )
+
+
+def variable_cell_columns(scene: Scene) -> int:
+    """Return how many columns of STATIS say what a cell that moves is like: 0, 10, 12 or 14, as in DL_POLY."""
+    barostat = scene.dynamics.barostat
+    return 0 if barostat is None else {"off": 10, "area": 12}.get(barostat.semi, 14)
+
+
+def _variable_cell(simulation: Simulation, seen: Observation) -> tuple[float, ...]:
+    barostat, units, cell = simulation.scene.dynamics.barostat, simulation.scene.units, simulation.cell
+    if barostat is None:
+        return ()
+    height = float(cell[2, 2])
+    stress = np.diag(seen.stress)[:2] / units.pressure_factor
+    tensions = height * (barostat.pressure[2] - stress) * units.tension_factor
+    pressure_volume = seen.pressure / units.pressure_factor * seen.volume / units.factor
+    values = [*cell.ravel().tolist(), pressure_volume, height, seen.volume / height, *tensions.tolist()]
+    return tuple(values[: variable_cell_columns(simulation.scene)])
 
 
 @lru_cache(maxsize=8)
@@ -123,6 +143,7 @@ class StatisticsReporter:
             scene.title,
             scene.units.statis_label,
             scene.species,
+            variable_cell=variable_cell_columns(scene),
             yaml=scene.output.statistics_yaml,
             append=append,
             keep_until=simulation.step if append else None,
@@ -225,7 +246,7 @@ class TrajectoryReporter:
             state.step,
             state.time,
             simulation.scene.dynamics.timestep,
-            simulation.scene.cell,
+            state.cell,
             state.positions,
             velocities=state.velocities if self._level >= 1 else None,
             forces=state.forces if self._level >= 2 else None,
@@ -268,7 +289,7 @@ class OutputReporter:
         self._print_every = output.print_every
         self._sample_every = output.statistics_every or output.print_every
         self._after = 0 if scene.run.record_equilibration else scene.run.equilibration_steps
-        self._columns = len(STATISTICS_NAMES) + len(scene.species)
+        self._columns = len(STATISTICS_NAMES) + len(scene.species) + variable_cell_columns(scene)
         self._rolling = RollingAverages(output.stack_size, self._columns)
         self._averages = RunningAverages(self._columns + 9 * len(_TENSORS))
         self._diagnostics_every = output.diagnostics_every
@@ -467,7 +488,7 @@ def configuration_of(simulation: Simulation) -> Configuration:
         positions=state.positions,
         title=scene.title,
         imcon=scene.imcon,
-        cell=scene.cell,
+        cell=state.cell,
         velocities=state.velocities,
         forces=state.forces,
         step=state.step,
@@ -496,7 +517,7 @@ def radial_distributions(
         _, g, n = normalise_rdf(
             counts[a, b],
             like=a == b,
-            volume=simulation.observe().volume,
+            volume=simulation.distance_volume,
             beads=(beads[a], beads[b]),
             configurations=samples,
             bin_width=width,

@@ -68,7 +68,7 @@ class Observation:
     Attributes:
         energy: by component: "pair", "bond", "angle", "dihedral", "inversion", "tether", "potential" (all of these),
             "kinetic", "total" (potential and kinetic) and "thermostat" (what hoover's variable holds; its sum
-            with total is conserved).
+            with total is conserved. With npt and nst what the piston holds, and P V of the target).
         stress: (3, 3) pressure tensor in the pressure unit, all parts.
         stress_parts: the same by part: "kinetic", "conservative" (pairs), "drag", "noise", "bonded".
         virial: −Σ r·F of all forces; ``pair_virial``: of the conservative pair forces alone.
@@ -169,6 +169,7 @@ class Simulation:
         self._observation: Observation | None = None
         self._stored_totals: Totals | None = None  # of a checkpoint, until the first step
         self._engine.start(scene)
+        self.start_cell: FloatArray = self.cell
         self.start_positions: FloatArray = np.asarray(self._engine.system.positions)
         self._configurational: tuple[int, tuple[float, float]] | None = None  # with its step
         self._rate = 0.0
@@ -273,6 +274,11 @@ class Simulation:
         return float(self._engine.system.time)
 
     @property
+    def cell(self) -> FloatArray:
+        """(3, 3) present cell vectors by row, Å."""
+        return np.ascontiguousarray(self._engine.system.cell)
+
+    @property
     def state(self) -> State:
         """A copy of positions, velocities, forces, step and time."""
         system = self._engine.system
@@ -281,15 +287,20 @@ class Simulation:
             velocities=np.asarray(system.velocities),
             forces=np.asarray(system.forces),
             images=np.asarray(system.images),
-            cell=self.scene.cell,
+            cell=self.cell,
             step=self.step,
             time=self.time,
         )
 
     def displacements(self) -> FloatArray:
-        """Return how far every bead is from where it started, (N, 3) in Å, followed across cell boundaries."""
-        system = self._engine.system
-        return np.asarray(system.positions + system.images @ self.scene.cell - self.start_positions)
+        """Return how far every bead is from where it started, (N, 3) in Å, followed across cell boundaries.
+
+        Where the cell has changed, the places of the start are scaled with it, as in DL_POLY.
+        """
+        system, cell, start = self._engine.system, self.cell, self.start_positions
+        if not np.array_equal(cell, self.start_cell):
+            start = start @ np.linalg.inv(self.start_cell) @ cell
+        return np.asarray(system.positions + system.images @ cell - start)
 
     def set_state(self, *, positions: FloatArray | None = None, velocities: FloatArray | None = None) -> None:
         """Replace positions and/or velocities, (N, 3) each, and recompute the forces.
@@ -384,6 +395,15 @@ class Simulation:
         counts = self._engine.distance_counts(self.rdf_bins, len(self.scene.species))
         return counts, int(self._engine.system.distance_samples)
 
+    @property
+    def distance_volume(self) -> float:
+        """Volume that pair distances are normalised with: the mean over their samples where the cell varies."""
+        system = self._engine.system
+        samples = int(system.distance_samples)
+        if samples == 0 or np.array_equal(self.cell, self.start_cell):
+            return float(system.volume)
+        return float(system.distance_volumes) / samples
+
     # Checkpoints
 
     def save(self, path: str | Path) -> None:
@@ -397,6 +417,8 @@ class Simulation:
             "forces": np.asarray(system.forces),
             "images": np.asarray(system.images),
             "start_positions": self.start_positions,
+            "cell": self.cell,
+            "start_cell": self.start_cell,
             "thermostat": np.asarray(system.thermostat, dtype=np.float64),
         }
         if self.scene.output.rdf_every > 0:
@@ -410,6 +432,7 @@ class Simulation:
             "step": self.step,
             "time": self.time,
             "distance_samples": int(system.distance_samples),
+            "distance_volumes": float(system.distance_volumes),
         }
         write_checkpoint(path, arrays, meta)
 
@@ -430,12 +453,15 @@ class Simulation:
         try:
             stored = scene_from_arrays(arrays, meta["scene"])
             chosen = stored if scene is None else scene
-            check_continues(stored, chosen, str(path))
+            cell = arrays.get("cell", stored.cell)  # checkpoints of before there were barostats have none
+            check_continues(stored, chosen, str(path), (cell, arrays.get("start_cell", cell)))
             # A cell that went through REVCON has lost its last digits; tethers still hold where the run began.
             bonded = chosen.bonded
             if bonded is not None and stored.bonded is not None and stored.bonded.anchors is not None:
                 bonded = replace(bonded, anchors=stored.bonded.anchors)
-            simulation = cls(replace(chosen, cell=stored.cell, bonded=bonded), threads=threads, seed=int(meta["seed"]))
+            imcon = 2 if chosen.imcon == 1 and len(set(np.diag(cell).tolist())) > 1 else chosen.imcon
+            chosen = replace(chosen, cell=cell, imcon=imcon, bonded=bonded)
+            simulation = cls(chosen, threads=threads, seed=int(meta["seed"]))
             simulation._restore(arrays, meta)
         except InputError as error:
             raise InputError(error.message, path=error.path or str(path), line=error.line, word=error.word) from error
@@ -448,6 +474,7 @@ class Simulation:
     def _restore(self, arrays: dict[str, NDArray[Any]], meta: dict[str, Any]) -> None:
         system = self._engine.system
         system.step, system.time = int(meta["step"]), float(meta["time"])
+        system.cell = arrays.get("cell", self.scene.cell)
         system.positions = arrays["positions"]
         system.velocities = arrays["velocities"]
         system.thermostat = arrays["thermostat"].tolist()
@@ -465,10 +492,13 @@ class Simulation:
         system.forces = arrays["forces"]
         system.images = arrays["images"]
         self.start_positions = arrays["start_positions"]
+        self.start_cell = arrays.get("start_cell", self.start_cell)
         prefix = "reporter."
         self._reporter_state = {k[len(prefix) :]: v for k, v in arrays.items() if k.startswith(prefix)}
         if self.scene.output.rdf_every > 0 and "distance_counts" in arrays:
-            system.restore_distances(arrays["distance_counts"].tolist(), int(meta["distance_samples"]))
+            samples = int(meta["distance_samples"])
+            volumes = float(meta.get("distance_volumes", samples * system.volume))
+            system.restore_distances(arrays["distance_counts"].tolist(), samples, volumes)
         self._observation = None
 
     def restored_state(self, name: str) -> dict[str, NDArray[Any]]:

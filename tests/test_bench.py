@@ -6,6 +6,7 @@ import importlib.util
 import json
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from pydlpoly.bench.results import Spread, significant
 from pydlpoly.bench.scenes import SCENES, BenchScene, build, chosen, water
 from pydlpoly.cli import main
 from pydlpoly.errors import RunError
+from pydlpoly.scene.model import Barostat
 
 SMALL = [scene for scene in SCENES.values() if scene.beads <= 40_000]
 BONDED = {"polymer", "lipids"}
@@ -181,6 +183,10 @@ def test_scenes_that_lammps_cannot_have_are_named() -> None:
     from pydlpoly.cli import example_folder
 
     assert "reduced units" in str(lammps_input(pydlpoly.load(example_folder("argon"))))
+    fluid = pydlpoly.load(example_folder("water"))
+    barostat = Barostat("isotropic", (23.65, 23.65, 23.65), relaxation=1.0, friction=1.0)
+    moving = replace(fluid, dynamics=replace(fluid.dynamics, barostat=barostat))
+    assert "a cell that moves" in str(lammps_input(moving))
 
 
 def test_a_process_that_dies_says_why() -> None:

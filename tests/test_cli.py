@@ -111,7 +111,7 @@ def test_check_and_explain_write_nothing(cli, tmp_path: Path) -> None:
     ("file", "old", "new", "expected"),
     [
         ("CONTROL", "timestep 0.01", "timstep 0.01", r"CONTROL:8: 'timstep': .*did you mean timestep"),
-        ("CONTROL", "ensemble nvt", "ensemble npt", r"CONTROL:3: 'ensemble': .*not modelled"),
+        ("CONTROL", "ensemble nvt", "ensemble pmf", r"CONTROL:3: 'ensemble': .*not modelled"),
         ("CONTROL", "timestep 0.01 dpd_t", "timestep -1 ps", r"CONTROL:8: 'timestep': "),
         ("FIELD", "A B dpd 30.0", "A C dpd 30.0", r"FIELD:16: 'C': "),
         ("FIELD", "A B dpd 30.0", "A B dpq 30.0", r"FIELD:16: 'dpq': "),

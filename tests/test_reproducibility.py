@@ -106,8 +106,43 @@ SCENES["a temperature that varies"] = lambda: mixture(
 )
 
 
+# Far from their pressure, so that the pair list has to follow a cell that changes by a fifth.
+PISTON = {
+    "timestep": "0.02 internal_t",
+    "pressure_hydrostatic": "60 dpd_p",
+    "ensemble_barostat_coupling": "0.5 internal_t",
+    "ensemble_barostat_friction": "1 internal_t^-1",
+}
+SCENES["npt"] = lambda: mixture(control={**PISTON, "ensemble": "npt"})
+SCENES["npt in a small cell"] = lambda: make_scene(
+    {"A": 30, "B": 20}, MIXTURE, cell=[2.5, 2.4, 3.2], control={**PISTON, "ensemble": "npt"}
+)
+SCENES["nst middle"] = lambda: mixture(
+    control={**PISTON, "ensemble": "nst", "ensemble_dpd_order": "middle", "ensemble_dpd_interval": "2"}
+)
+SCENES["nst of a square"] = lambda: mixture(
+    control={
+        **PISTON,
+        "ensemble": "nst",
+        "ensemble_dpd_order": "ou-middle",
+        "ensemble_semi_isotropic": "tension",
+        "ensemble_tension": "20 dpd_f/dpd_l",
+        "ensemble_semi_orthorhombic": "on",
+    }
+)
+SCENES["npt langevin"] = lambda: mixture(
+    control={
+        **PISTON,
+        "ensemble": "npt",
+        "ensemble_method": "langevin",
+        "ensemble_dpd_order": None,
+        "ensemble_thermostat_friction": "1 internal_t^-1",
+    }
+)
+
+
 def assert_same_bits(a: State, b: State) -> None:
-    for name in ("positions", "velocities", "forces", "images"):
+    for name in ("positions", "velocities", "forces", "images", "cell"):
         first, second = getattr(a, name), getattr(b, name)
         assert first.tobytes() == second.tobytes(), f"{name} differ by {np.abs(first - second).max():g}"
     assert (a.step, a.time) == (b.step, b.time)

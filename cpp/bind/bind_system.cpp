@@ -14,6 +14,7 @@
 #include "core/threads.hpp"
 #include "integrate/equilibration.hpp"
 #include "integrate/nose_hoover.hpp"
+#include "integrate/piston.hpp"
 #include "integrate/system.hpp"
 #include "observe/configurational.hpp"
 #include "observe/kinetic.hpp"
@@ -172,6 +173,22 @@ void bind_system(py::module_& m) {
         .def_readwrite("phase", &TemperatureSchedule::phase)
         .def("at", &TemperatureSchedule::at, py::arg("time"), py::arg("thermal_energy"));
 
+    py::enum_<CellMotion>(m, "CellMotion", "Which edges of the cell follow the pressure; see step_settings.hpp.")
+        .value("fixed", CellMotion::fixed)
+        .value("isotropic", CellMotion::isotropic)
+        .value("height", CellMotion::height)
+        .value("square", CellMotion::square)
+        .value("edges", CellMotion::edges);
+
+    py::class_<Barostat>(m, "Barostat", "A Langevin piston; see cpp/integrate/piston.hpp.")
+        .def(py::init<>())
+        .def_readwrite("motion", &Barostat::motion)
+        .def_readwrite("pressure", &Barostat::pressure)
+        .def_readwrite("tension", &Barostat::tension)
+        .def_readwrite("relaxation", &Barostat::relaxation)
+        .def_readwrite("friction", &Barostat::friction)
+        .def_readwrite("tail", &Barostat::tail);
+
     py::class_<StepSettings>(m, "StepSettings", "How a step is taken; see cpp/integrate/step_settings.hpp.")
         .def(py::init<>())
         .def_readwrite("precision", &StepSettings::precision)
@@ -198,7 +215,8 @@ void bind_system(py::module_& m) {
         .def_readwrite("force_cap", &StepSettings::force_cap)
         .def_readwrite("equilibration_steps", &StepSettings::equilibration_steps)
         .def_readwrite("rescale_every", &StepSettings::rescale_every)
-        .def_readwrite("regauss_every", &StepSettings::regauss_every);
+        .def_readwrite("regauss_every", &StepSettings::regauss_every)
+        .def_readwrite("barostat", &StepSettings::barostat);
 
     py::class_<System>(m, "System", "State, forces and integrator of one simulation.")
         .def(py::init(&make_system), py::arg("cell"), py::arg("periodic"), py::arg("positions"), py::arg("velocities"),
@@ -251,7 +269,7 @@ void bind_system(py::module_& m) {
         .def_property(
             "thermostat", [](const System& s) { return s.state.thermostat; },
             [](System& s, std::vector<double> values) { s.state.thermostat = std::move(values); },
-            "Variables that a thermostat keeps from step to step.")
+            "Variables that a thermostat or barostat keeps from step to step.")
         .def_property(
             "time", [](const System& s) { return s.state.time; }, [](System& s, double time) { s.state.time = time; })
         .def_property(
@@ -294,6 +312,13 @@ void bind_system(py::module_& m) {
                 s.ready = false;
             },
             "Brings positions that were set back into the cell, counting the cells they cross.")
+        .def_property(
+            "cell", [](const System& s) { return s.state.box.cell(); },
+            [](System& s, const Matrix3& cell) {
+                s.state.box = Box(cell, s.state.box.periodic());
+                s.ready = false;
+            },
+            "Cell vectors by row. Setting them leaves the positions as they are.")
         .def_property_readonly("volume", [](const System& s) { return s.state.box.volume(); })
         .def_property_readonly("pair_energy", [](const System& s) { return s.totals.energy; })
         .def_property_readonly("conservative_virial_tensor", [](const System& s) { return s.totals.conservative; })
@@ -324,8 +349,11 @@ void bind_system(py::module_& m) {
             },
             py::call_guard<py::gil_scoped_release>(), "Σ|∇U|² and Σ∇²U over the mobile beads at the present positions.")
         .def_property_readonly(
-            "thermostat_energy", [](const System& s) { return thermostat_energy(s.state, s.settings); },
-            "What a Nosé–Hoover thermostat adds to the conserved energy.")
+            "thermostat_energy",
+            [](const System& s) {
+                return thermostat_energy(s.state, s.settings) + barostat_energy(s.state, s.settings);
+            },
+            "What a Nosé–Hoover thermostat adds to the conserved energy, or a piston to the energy: its own and P V.")
         .def_property_readonly("momentum", [](const System& s) { return momentum(s.state.particles); })
         .def_property_readonly("cell_counts", [](System& s) { return s.forces.pairs().cells().counts(); })
         .def("enable_distances", &System::enable_distances, py::arg("reach"), py::arg("bins"), py::arg("every"),
@@ -333,13 +361,16 @@ void bind_system(py::module_& m) {
         .def("distance_counts", &distance_counts)
         .def_property_readonly("distance_samples",
                                [](const System& s) { return s.distances ? s.distances->samples() : 0; })
+        .def_property_readonly(
+            "distance_volumes", [](const System& s) { return s.distances ? s.distances->volumes() : 0.0; },
+            "Sum of the cell's volumes over the samples.")
         .def(
             "restore_distances",
-            [](System& s, std::vector<std::int64_t> counts, std::int64_t samples) {
+            [](System& s, std::vector<std::int64_t> counts, std::int64_t samples, double volumes) {
                 require(s.distances.has_value(), "pair distances are not sampled in this system");
-                s.distances->restore(std::move(counts), samples);
+                s.distances->restore(std::move(counts), samples, volumes);
             },
-            py::arg("counts"), py::arg("samples"));
+            py::arg("counts"), py::arg("samples"), py::arg("volumes"));
 }
 
 }  // namespace dlpoly::bind

@@ -13,8 +13,9 @@ struct State {
     Box box;
     Particles particles;
     std::uint64_t step = 0;
-    double time = 0.0;               // ps
-    std::vector<double> thermostat;  // variables that a thermostat or barostat keeps from step to step
+    double time = 0.0;  // ps
+    // Variables that a thermostat keeps from step to step, or a barostat: the rates d ln L/dt of the edges, 1/ps.
+    std::vector<double> thermostat;
 };
 
 }  // namespace dlpoly

@@ -14,6 +14,7 @@ enum class Stream : std::uint8_t {
     second_sweep = 6,
     sweep_choice = 7,  // which pairs a sweep thermalises (Philox for every pair)
     thermostat = 8,    // noise of thermostats that have variables of their own
+    barostat = 9,      // noise of the piston that moves the cell
 };
 
 }  // namespace dlpoly

@@ -985,6 +985,9 @@ std::string refusal(const Box& box, const Particles& particles, const PairTable&
     if (cell != diagonal || !(cell.diagonal().minCoeff() > 0.0)) {
         return "the cell is not orthorhombic";
     }
+    if (settings.barostat.acts()) {
+        return "the cell follows the pressure";
+    }
     if (has_external_fields) {
         return "there is an external field";
     }

@@ -70,7 +70,7 @@ void PairForces::compute(const Box& box, Particles& particles, const Array3N& ve
     for (const auto& worker : workers_) {
         work.accepted += worker->accepted;
     }
-    if (!request.observe) {
+    if (!request.observe || request.always_observed) {
         tuner_.walked(work);
     }
     spread_forces(particles, std::ldexp(1.0, -exponent), walk.threads);

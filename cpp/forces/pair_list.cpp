@@ -29,13 +29,20 @@ constexpr std::int32_t crossings = 2;
 bool PairList::refresh(const Box& box, const Particles& particles, int threads) {
     const std::vector<std::uint32_t>& order = cells_.order();
     const std::size_t beads = order.size();
-    if (beads_.empty() || beads != static_cast<std::size_t>(particles.count()) || box.cell() != cell_ ||
-        box.periodic() != periodic_) {
+    Vector3 growth = Vector3::Ones();
+    if (beads_.empty() || beads != static_cast<std::size_t>(particles.count()) || box.periodic() != periodic_ ||
+        (box.cell() != cell_ && !fits_scaled(box, growth))) {
         evaluations_ = 0;
         return false;
     }
+    if (box.cell() != shift_cell_) {
+        number_shifts(box);
+    }
+    // Beads that were beyond range and skin may have come nearer by this, for each of the two.
+    const double shrunk = 0.5 * (1.0 - std::min(1.0, growth.minCoeff())) * std::sqrt(limit_squared_);
+    const double allowed = std::max(0.0, allowed_ - shrunk);
     // Without a skin nothing is allowed, but beads that moved little still need no image.
-    const double near = std::max(allowed_ * allowed_, 0.0025 * limit_squared_);
+    const double near = std::max(allowed * allowed, 0.0025 * limit_squared_);
     double largest = 0.0;
     const double* position = particles.position.data();
 #ifdef _OPENMP
@@ -44,9 +51,9 @@ bool PairList::refresh(const Box& box, const Particles& particles, int threads) 
     for (std::size_t k = 0; k < beads; ++k) {
         const double* place = position + 3 * std::size_t{order[k]};
         BeadRecord bead{place[0], place[1], place[2], 0};
-        const double dx = bead.x - x_[k];
-        const double dy = bead.y - y_[k];
-        const double dz = bead.z - z_[k];
+        const double dx = bead.x - growth[0] * x_[k];
+        const double dy = bead.y - growth[1] * y_[k];
+        const double dz = bead.z - growth[2] * z_[k];
         double squared = dx * dx + dy * dy + dz * dz;
         if (!(squared <= near)) {
             Vector3 moved(dx, dy, dz);
@@ -65,12 +72,26 @@ bool PairList::refresh(const Box& box, const Particles& particles, int threads) 
         beads_[k] = bead;
     }
     ++evaluations_;
-    displacement_ = std::sqrt(largest);
+    displacement_ = std::sqrt(largest) + shrunk;
     return displacement_ < allowed_;
+}
+
+bool PairList::fits_scaled(const Box& box, Vector3& growth) const {
+    const Matrix3& cell = box.cell();
+    const Matrix3 edges = cell.diagonal().asDiagonal();
+    const Matrix3 old_edges = cell_.diagonal().asDiagonal();
+    // Images get numbers of their own where a pair can have several, which only a new list finds out.
+    if (cell != edges || cell_ != old_edges || cells_.has_several_images() ||
+        !(edges.diagonal().minCoeff() > 2.001 * range_)) {
+        return false;
+    }
+    growth = cell.diagonal().cwiseQuotient(cell_.diagonal());
+    return growth.minCoeff() > 0.8 && growth.maxCoeff() < 1.25;
 }
 
 // Numbers lattice vectors so that numbers add as the vectors do.
 void PairList::number_shifts(const Box& box) {
+    shift_cell_ = box.cell();
     const std::array<std::int32_t, 3> most = cells_.most_shifts();
     std::array<std::int32_t, 3> reach{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -97,6 +118,7 @@ void PairList::number_shifts(const Box& box) {
 void PairList::build(const Box& box, const Particles& particles, const PairTable& table, const Exclusions& exclusions,
                      double skin, double minimum_width, int threads) {
     cell_ = box.cell();
+    range_ = table.range();
     periodic_ = box.periodic();
     cells_.build(box, particles.position, table.range() + skin, minimum_width, table.range());
     number_shifts(box);

@@ -1,8 +1,9 @@
 // The pair list: for every bead the beads that may come within range before any has moved half the skin.
 //
 // It is built from link cells and kept while it is complete: while no bead is farther than half the skin from where it
-// was when the list was built, whole cells that it has crossed since taken off. Pairs are stored by the rows of cells
-// they belong to, sorted by the entry of the pair table; pairs that never act are left out.
+// was when the list was built, whole cells that it has crossed since taken off. Where an orthorhombic cell has changed,
+// places are scaled with it, and what the cell has shrunk by is taken off the skin. Pairs are stored by the rows of
+// cells they belong to, sorted by the entry of the pair table; pairs that never act are left out.
 #pragma once
 
 #include <array>
@@ -69,6 +70,8 @@ class PairList {
     };
 
     void number_shifts(const Box& box);
+    // Whether the list may serve another cell than the one it was built in; then also by what the edges have grown.
+    [[nodiscard]] bool fits_scaled(const Box& box, Vector3& growth) const;
     void build_row(std::int32_t row, const PairTable& table, const Exclusions& exclusions, Scratch& scratch);
     void find_ranges(std::int32_t cell, Scratch& scratch) const;
     void distribute(std::uint32_t bead, const ListEntry* end, const PairTable& table, const Exclusions& exclusions,
@@ -88,8 +91,10 @@ class PairList {
     std::int64_t zero_ = 0;
     std::vector<double> term_limit_squared_;
     double limit_squared_ = 0.0;
-    double allowed_ = 0.0;  // displacement
-    Matrix3 cell_ = Matrix3::Zero();
+    double range_ = 0.0;
+    double allowed_ = 0.0;                  // displacement
+    Matrix3 cell_ = Matrix3::Zero();        // when the list was built
+    Matrix3 shift_cell_ = Matrix3::Zero();  // that the lattice vectors belong to
     std::array<bool, 3> periodic_{};
     bool simple_ = false;  // one species, nothing frozen, nothing excluded
     std::int64_t size_ = 0;

@@ -11,7 +11,8 @@ namespace dlpoly {
 
 // What one force evaluation is asked for.
 struct ForceRequest {
-    bool observe = false;  // also energies and stress
+    bool observe = false;          // also energies and stress
+    bool always_observed = false;  // every step of the run is
     bool conservative = true;
     bool drag = false;   // also drag, from the velocities given
     bool noise = false;  // also this step's noise

@@ -5,6 +5,7 @@
 
 #include "core/random.hpp"
 #include "integrate/moves.hpp"
+#include "integrate/piston.hpp"
 #include "observe/kinetic.hpp"
 
 namespace dlpoly {
@@ -32,24 +33,29 @@ void thermalise(State& state, const StepSettings& settings) {
 }  // namespace
 
 void Langevin::start(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {
+    start_piston(state, settings);
     compute_forces(state, forces, settings, conservative_request(state, settings, observe), state.particles.velocity,
                    totals);
 }
 
 void Langevin::step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {
     Particles& particles = state.particles;
-    kick(particles, 0.5 * settings.timestep);
+    push_piston(state, forces, totals, settings, 0.5 * settings.timestep);
+    kick(state, settings, 0.5 * settings.timestep);
     drift(state, settings, 0.5 * settings.timestep);
     advance_clock(state, settings);
+    enter_middle(state, settings);
     thermalise(state, settings);
     std::optional<Matrix3> kinetic;
     if (observe) {
         kinetic = kinetic_tensor(particles);
     }
+    leave_middle(state, settings);
     drift(state, settings, 0.5 * settings.timestep);
     compute_forces(state, forces, settings, conservative_request(state, settings, observe), particles.velocity, totals);
     totals.kinetic = kinetic;
-    kick(particles, 0.5 * settings.timestep);
+    kick(state, settings, 0.5 * settings.timestep);
+    push_piston(state, forces, totals, settings, 0.5 * settings.timestep);
     finish_step(state, settings);
 }
 

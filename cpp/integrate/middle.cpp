@@ -5,11 +5,13 @@
 #include <cmath>
 
 #include "integrate/moves.hpp"
+#include "integrate/piston.hpp"
 #include "observe/kinetic.hpp"
 
 namespace dlpoly {
 
 void Middle::start(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {
+    start_piston(state, settings);
     compute_forces(state, forces, settings, conservative_request(state, settings, observe), state.particles.velocity,
                    totals);
 }
@@ -43,9 +45,11 @@ void Middle::thermalise(State& state, Forces& forces, const StepSettings& settin
 void Middle::step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {
     Particles& particles = state.particles;
     PairTotals of_motion;
-    kick(particles, 0.5 * settings.timestep);
+    push_piston(state, forces, totals, settings, 0.5 * settings.timestep);
+    kick(state, settings, 0.5 * settings.timestep);
     drift(state, settings, 0.5 * settings.timestep);
     advance_clock(state, settings);
+    enter_middle(state, settings);
     if (settings.drag && state.step % static_cast<std::uint64_t>(settings.thermostat_every) == 0) {
         thermalise(state, forces, settings, observe, of_motion);
     }
@@ -53,12 +57,14 @@ void Middle::step(State& state, Forces& forces, const StepSettings& settings, bo
     if (observe) {
         kinetic = kinetic_tensor(particles);
     }
+    leave_middle(state, settings);
     drift(state, settings, 0.5 * settings.timestep);
     compute_forces(state, forces, settings, conservative_request(state, settings, observe), particles.velocity, totals);
     totals.drag = of_motion.drag;
     totals.noise = of_motion.noise;
     totals.kinetic = kinetic;
-    kick(particles, 0.5 * settings.timestep);
+    kick(state, settings, 0.5 * settings.timestep);
+    push_piston(state, forces, totals, settings, 0.5 * settings.timestep);
     finish_step(state, settings);
 }
 

@@ -7,12 +7,21 @@
 #include <limits>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "core/failure.hpp"
 #include "integrate/equilibration.hpp"
+#include "integrate/piston.hpp"
 #include "observe/kinetic.hpp"
 
 namespace dlpoly {
+
+namespace {
+
+// (eˣ − 1)/x.
+double mean_growth(double x) { return std::abs(x) < 1e-8 ? 1.0 + 0.5 * x : std::expm1(x) / x; }
+
+}  // namespace
 
 void kick(Particles& particles, double time) {
     const Eigen::Index beads = particles.count();
@@ -24,8 +33,39 @@ void kick(Particles& particles, double time) {
     }
 }
 
-void drift(State& state, const StepSettings& settings, double time) {
+void kick(State& state, const StepSettings& settings, double time) {
     Particles& particles = state.particles;
+    if (!settings.barostat.acts()) {
+        kick(particles, time);
+        return;
+    }
+    const std::vector<double>& rates = state.thermostat;
+    const double common = (rates[0] + rates[1] + rates[2]) / static_cast<double>(settings.degrees_of_freedom);
+    Vector3 keep;
+    Vector3 reach;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const double exponent = -(rates[static_cast<std::size_t>(axis)] + common) * time;
+        keep[axis] = std::exp(exponent);
+        reach[axis] = time * mean_growth(exponent);
+    }
+    const Eigen::Index beads = particles.count();
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static)
+#endif
+    for (Eigen::Index i = 0; i < beads; ++i) {
+        const double inverse_mass = particles.inverse_mass(i);
+        for (Eigen::Index axis = 0; axis < 3; ++axis) {
+            particles.velocity(i, axis) =
+                keep[axis] * particles.velocity(i, axis) + reach[axis] * inverse_mass * particles.force(i, axis);
+        }
+    }
+}
+
+namespace {
+
+// Throws RunFailure when a bead would move farther than it may, or has no velocity that is a number.
+void refuse_long_moves(const State& state, const StepSettings& settings, double time) {
+    const Particles& particles = state.particles;
     const Eigen::Index beads = particles.count();
     const double longest =
         settings.longest_move > 0.0 ? settings.longest_move : std::numeric_limits<double>::infinity();
@@ -54,12 +94,19 @@ void drift(State& state, const StepSettings& settings, double time) {
         text << "; the timestep is too long for the forces or velocities";
         throw RunFailure(text.str());
     }
+}
+
+// Takes every bead to `place(bead)`, wrapped into the cell.
+template <class Place>
+void move_beads(State& state, const Place& place) {
+    Particles& particles = state.particles;
+    const Eigen::Index beads = particles.count();
     std::atomic<Eigen::Index> lost{-1};
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static)
 #endif
     for (Eigen::Index i = 0; i < beads; ++i) {
-        Vector3 position = (particles.position.row(i) + time * particles.velocity.row(i)).transpose();
+        Vector3 position = place(i);
         if (!state.box.wrap(position, particles.image.row(i).data())) {
             lost = i;
         } else {
@@ -70,6 +117,49 @@ void drift(State& state, const StepSettings& settings, double time) {
         throw RunFailure("step " + std::to_string(state.step + 1) + ": bead " + std::to_string(lost + 1) +
                          " left all bounds or its position is not a number; the timestep is too long for the forces");
     }
+}
+
+}  // namespace
+
+void drift(State& state, const StepSettings& settings, double time) {
+    const Particles& particles = state.particles;
+    refuse_long_moves(state, settings, time);
+    if (!settings.barostat.acts()) {
+        move_beads(state, [&](Eigen::Index i) -> Vector3 {
+            return (particles.position.row(i) + time * particles.velocity.row(i)).transpose();
+        });
+        return;
+    }
+    Matrix3 cell = state.box.cell();
+    Vector3 growth;
+    Vector3 reach;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const double exponent = state.thermostat[static_cast<std::size_t>(axis)] * time;
+        if (!(std::abs(exponent) < 0.25)) {
+            throw RunFailure("step " + std::to_string(state.step + 1) +
+                             ": the cell would change by more than a quarter in one step; start nearer to the target "
+                             "pressure, with a shorter timestep or a longer ensemble_barostat_coupling");
+        }
+        growth[axis] = std::exp(exponent);
+        reach[axis] = time * mean_growth(exponent);
+        cell.col(axis) *= growth[axis];
+    }
+    state.box = Box(cell, state.box.periodic());
+    move_beads(state, [&](Eigen::Index i) -> Vector3 {
+        return growth.cwiseProduct(particles.position.row(i).transpose()) +
+               reach.cwiseProduct(particles.velocity.row(i).transpose());
+    });
+}
+
+void drift_through(State& state, const StepSettings& settings) {
+    if (!settings.barostat.acts()) {
+        drift(state, settings, settings.timestep);
+        return;
+    }
+    drift(state, settings, 0.5 * settings.timestep);
+    enter_middle(state, settings);
+    leave_middle(state, settings);
+    drift(state, settings, 0.5 * settings.timestep);
 }
 
 double thermal_energy_now(const State& state, const StepSettings& settings) {
@@ -90,7 +180,8 @@ ForceRequest request_of(const State& state, const StepSettings& settings, bool o
 
 ForceRequest conservative_request(const State& state, const StepSettings& settings, bool observe) {
     ForceRequest request;
-    request.observe = observe;
+    request.observe = observe || settings.barostat.acts();
+    request.always_observed = settings.barostat.acts();
     request.gaussian_noise = settings.precision == Precision::reference;
     request.seed = settings.seed;
     request.step = state.step;

@@ -10,14 +10,21 @@ namespace dlpoly {
 // v += time · F/m.
 void kick(Particles& particles, double time);
 
-// r += time · v, wrapped into the cell. Throws RunFailure naming a bead whose position is not finite, or that moves
-// farther than settings.longest_move; the state is then that before the drift.
+// The same while the cell's edges move: exact for the present forces and rates (see piston.hpp).
+void kick(State& state, const StepSettings& settings, double time);
+
+// r += time · v, wrapped into the cell; a cell that moves is scaled with the positions. Throws RunFailure naming a bead
+// whose position is not finite or that would move farther than settings.longest_move, or where the cell would change by
+// more than a quarter; the state is then that before the drift.
 void drift(State& state, const StepSettings& settings, double time);
+
+// The whole drift of a step, with what a piston does in its middle.
+void drift_through(State& state, const StepSettings& settings);
 
 // What a force evaluation of the present step is asked for; drag and noise as the settings have them.
 ForceRequest request_of(const State& state, const StepSettings& settings, bool observe);
 
-// The same without drag and noise.
+// The same without drag and noise. A piston needs every step observed.
 ForceRequest conservative_request(const State& state, const StepSettings& settings, bool observe);
 
 // Computes forces; caps them while the settings say so.

@@ -2,6 +2,7 @@
 #include "integrate/splitting.hpp"
 
 #include "integrate/moves.hpp"
+#include "integrate/piston.hpp"
 #include "observe/kinetic.hpp"
 #include "sweep/implicit_euler.hpp"
 #include "sweep/lowe_andersen.hpp"
@@ -27,6 +28,7 @@ SweepSettings sweep_settings(const State& state, const StepSettings& settings, d
 }
 
 void Splitting::start(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {
+    start_piston(state, settings);
     compute_forces(state, forces, settings, conservative_request(state, settings, observe), state.particles.velocity,
                    totals);
 }
@@ -79,20 +81,26 @@ void Splitting::step(State& state, Forces& forces, const StepSettings& settings,
     if (before) {
         sweep(state, settings, both ? 0.5 * timestep : timestep, Stream::sweep_words, false, observe);
     }
-    kick(particles, 0.5 * timestep);
-    drift(state, settings, middle ? 0.5 * timestep : timestep);
-    if (middle) {
+    push_piston(state, forces, totals, settings, 0.5 * timestep);
+    kick(state, settings, 0.5 * timestep);
+    if (!middle) {
+        drift_through(state, settings);
+    } else {
+        drift(state, settings, 0.5 * timestep);
+        enter_middle(state, settings);
         if (due) {
             sweep(state, settings, timestep * settings.thermostat_every, Stream::sweep_words, false, observe);
         }
         if (observe) {
             kinetic = kinetic_tensor(particles);
         }
+        leave_middle(state, settings);
         drift(state, settings, 0.5 * timestep);
     }
     advance_clock(state, settings);
     compute_forces(state, forces, settings, conservative_request(state, settings, observe), particles.velocity, totals);
-    kick(particles, 0.5 * timestep);
+    kick(state, settings, 0.5 * timestep);
+    push_piston(state, forces, totals, settings, 0.5 * timestep);
     if (both) {
         sweep(state, settings, 0.5 * timestep, Stream::second_sweep, true, observe);
         virial_ *= 0.5;  // each of the two is a mean over half the step

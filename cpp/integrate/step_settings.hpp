@@ -1,6 +1,7 @@
 // What every integrator is told about a step.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -58,6 +59,27 @@ struct TemperatureSchedule {
     }
 };
 
+// Which edges of an orthorhombic cell follow the pressure.
+enum class CellMotion {
+    fixed,
+    isotropic,  // all three by one factor
+    height,     // z alone: constant area
+    square,     // x and y by one factor, z by another
+    edges,      // each by its own
+};
+
+// A Langevin piston: what moves the cell (see piston.hpp).
+struct Barostat {
+    CellMotion motion = CellMotion::fixed;
+    std::array<double, 3> pressure{};  // on the faces across x, y, z
+    double tension = 0.0;              // surface tension of the plane of x and y
+    double relaxation = 0.0;           // ps
+    double friction = 0.0;             // 1/ps
+    double tail = 0.0;                 // virial of the long-range correction (−Σ r·F) times the volume
+
+    [[nodiscard]] bool acts() const noexcept { return motion != CellMotion::fixed; }
+};
+
 // How pairs are computed. All three conserve momentum to the bit of their sums.
 enum class Precision {
     reference,         // double, general path, one Gaussian number of Philox4x32-10 for every pair
@@ -92,6 +114,7 @@ struct StepSettings {
     std::uint64_t equilibration_steps = 0;  // first steps in which the next three act
     std::uint64_t rescale_every = 0;        // steps, 0 = never
     std::uint64_t regauss_every = 0;        // steps, 0 = never
+    Barostat barostat;
 };
 
 }  // namespace dlpoly

@@ -2,12 +2,14 @@
 #include "integrate/velocity_verlet.hpp"
 
 #include "integrate/moves.hpp"
+#include "integrate/piston.hpp"
 #include "observe/kinetic.hpp"
 
 namespace dlpoly {
 
 void VelocityVerlet::start(State& state, Forces& forces, const StepSettings& settings, bool observe,
                            PairTotals& totals) {
+    start_piston(state, settings);
     compute_forces(state, forces, settings, request_of(state, settings, observe), state.particles.velocity, totals);
 }
 
@@ -15,6 +17,7 @@ void VelocityVerlet::step(State& state, Forces& forces, const StepSettings& sett
                           PairTotals& totals) {
     Particles& particles = state.particles;
     const double timestep = settings.timestep;
+    push_piston(state, forces, totals, settings, 0.5 * timestep);
     const bool predict = settings.drag && settings.prediction != 0.5;
     if (predict) {
         predicted_ = particles.velocity;
@@ -23,17 +26,18 @@ void VelocityVerlet::step(State& state, Forces& forces, const StepSettings& sett
             predicted_.row(i) += settings.prediction * timestep * particles.inverse_mass(i) * particles.force.row(i);
         }
     }
-    kick(particles, 0.5 * timestep);
+    kick(state, settings, 0.5 * timestep);
     std::optional<Matrix3> kinetic;
     if (observe && settings.half_step_kinetic) {
         kinetic = kinetic_tensor(particles);
     }
-    drift(state, settings, timestep);
+    drift_through(state, settings);
     advance_clock(state, settings);
     compute_forces(state, forces, settings, request_of(state, settings, observe),
                    predict ? predicted_ : particles.velocity, totals);
     totals.kinetic = kinetic;
-    kick(particles, 0.5 * timestep);
+    kick(state, settings, 0.5 * timestep);
+    push_piston(state, forces, totals, settings, 0.5 * timestep);
     finish_step(state, settings);
 }
 

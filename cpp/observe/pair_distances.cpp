@@ -18,12 +18,13 @@ PairDistances::PairDistances(std::int32_t species, double range, std::int32_t bi
     counts_.assign(static_cast<std::size_t>(species) * static_cast<std::size_t>(species * bins), 0);
 }
 
-void PairDistances::restore(std::vector<std::int64_t> counts, std::int64_t samples) {
+void PairDistances::restore(std::vector<std::int64_t> counts, std::int64_t samples, double volumes) {
     if (counts.size() != counts_.size()) {
         throw std::invalid_argument("the stored pair distance histogram has another number of species or bins");
     }
     counts_ = std::move(counts);
     samples_ = samples;
+    volumes_ = volumes;
 }
 
 void PairDistances::sample(const Box& box, const Particles& particles) {
@@ -78,6 +79,7 @@ void PairDistances::sample(const Box& box, const Particles& particles) {
         }
     }
     ++samples_;
+    volumes_ += box.volume();
 }
 
 }  // namespace dlpoly

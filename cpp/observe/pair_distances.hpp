@@ -20,13 +20,16 @@ class PairDistances {
     // Pairs counted once, index [(a · species + b) · bins + bin] with a ≤ b.
     [[nodiscard]] const std::vector<std::int64_t>& counts() const noexcept { return counts_; }
     [[nodiscard]] std::int64_t samples() const noexcept { return samples_; }
-    void restore(std::vector<std::int64_t> counts, std::int64_t samples);
+    // Sum of the cell's volumes over the samples.
+    [[nodiscard]] double volumes() const noexcept { return volumes_; }
+    void restore(std::vector<std::int64_t> counts, std::int64_t samples, double volumes);
 
   private:
     std::int32_t species_;
     double range_;
     std::int32_t bins_;
     std::int64_t samples_ = 0;
+    double volumes_ = 0.0;
     std::vector<std::int64_t> counts_;
     LinkCells cells_;
 };

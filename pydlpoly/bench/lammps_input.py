@@ -75,6 +75,8 @@ def lammps_input(scene: Scene) -> LammpsInput | str:
     """Return the commands, or in words why the scene is not translated."""
     if not scene.units.reduced or not all(scene.periodic) or scene.external or scene.beads.frozen.any():
         return "only periodic scenes in reduced units without external fields or frozen beads are translated"
+    if scene.dynamics.barostat is not None:
+        return "a cell that moves is not translated"
     if scene.bonded is not None and (reason := _not_translated(scene.bonded)):
         return reason
     if np.any(np.triu(scene.cell, 1) != 0.0):

@@ -17,7 +17,7 @@ from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.explain import PLANS
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
-from pydlpoly.scene.model import Bonded, PairTerm, Scene
+from pydlpoly.scene.model import Barostat, Bonded, PairTerm, Scene
 
 _PRECISIONS = {
     "double": _core.Precision.double_precision,
@@ -126,7 +126,7 @@ class NativeEngine:
     def totals(self) -> Totals:
         """Return what was observed at the last observed step."""
         system = self.system
-        energy, virial = self._tail
+        energy, virial = (x / system.volume for x in self._tail)
         return Totals(
             pair_energy=system.pair_energy + energy,
             conservative=system.conservative_virial_tensor - np.eye(3) * (virial / 3.0),
@@ -210,6 +210,8 @@ def _step_settings(scene: Scene, seed: int) -> _core.StepSettings:
         schedule.times, schedule.energies = list(dynamics.schedule.times), list(dynamics.schedule.energies)
         schedule.amplitude, schedule.period = dynamics.schedule.amplitude, dynamics.schedule.period
         settings.schedule = schedule
+    if dynamics.barostat is not None:
+        settings.barostat = _barostat(scene, dynamics.barostat)
     settings.remove_drift = dynamics.remove_drift
     settings.seed = seed
     settings.degrees_of_freedom = scene.degrees_of_freedom
@@ -220,15 +222,23 @@ def _step_settings(scene: Scene, seed: int) -> _core.StepSettings:
     return settings
 
 
-def long_range_tail(scene: Scene) -> tuple[float, float]:
-    """Return the long-range corrections (energy, virial) of the scene's uncut laws, internal energy.
+def _barostat(scene: Scene, given: Barostat) -> _core.Barostat:
+    barostat = _core.Barostat()
+    barostat.motion = getattr(_core.CellMotion, given.motion)
+    barostat.pressure, barostat.tension = list(given.pressure), given.tension
+    barostat.relaxation, barostat.friction = given.relaxation, given.friction
+    barostat.tail = long_range_tail(scene)[1]
+    return barostat
 
-    Energy (2π/V) N_a N_b ∫_rc^∞ U r² dr for each ordered pair of species and the virial with r³ dU/dr, as DL_POLY has
+
+def long_range_tail(scene: Scene) -> tuple[float, float]:
+    """Return the long-range corrections (energy, virial) of the scene's uncut laws times the volume, internal units.
+
+    Energy 2π N_a N_b ∫_rc^∞ U r² dr for each ordered pair of species and the virial with r³ dU/dr, as DL_POLY has
     them; pairs of frozen beads count nothing. Both are zero where the scene switches corrections off.
     """
     if not scene.long_range_correction:
         return 0.0, 0.0
-    volume = abs(float(np.linalg.det(scene.cell)))
     beads = scene.beads
     count = len(scene.species)
     total = np.bincount(beads.species, minlength=count)
@@ -238,8 +248,8 @@ def long_range_tail(scene: Scene) -> tuple[float, float]:
         a, b = term.species
         tail = _tail_of(term)
         pairs = float(total[a] * total[b] - frozen[a] * frozen[b]) * (1.0 if a == b else 2.0)
-        energy += 2.0 * math.pi / volume * pairs * tail[0]
-        virial += 2.0 * math.pi / volume * pairs * tail[1]
+        energy += 2.0 * math.pi * pairs * tail[0]
+        virial += 2.0 * math.pi * pairs * tail[1]
     return energy, virial
 
 

@@ -94,7 +94,6 @@ def _option(
 
 _NOT_WRITTEN = "ignored: pydlpoly does not compute it; HISTORY holds what is needed to do so afterwards"
 _PARALLEL = "ignored: pydlpoly reads and writes files in one way only"
-_BAROSTAT = "ignored: it acts only with npt and nst, which are refused"
 _THERMOSTAT = "ignored: it acts only with thermostats that are refused"
 _COULOMB = "ignored: it acts only with a coul_method, which is refused"
 _MINIMISER = "ignored: it acts only with a minimisation_criterion, which is refused"
@@ -151,13 +150,12 @@ _RUN = (
 )  # fmt: skip
 
 _ENSEMBLE = (
-    _option("ensemble", "nve nvt npt nst pmf", "", "ensemble", old="ensemble nve|nvt …", req=True,
-            effects={"npt": "refused: constant pressure", "nst": "refused: constant stress",
-                     "pmf": "refused: the ensemble pmf"}),
-    _option("ensemble_method", "dpd evans langevin andersen berendsen hoover gentle ttm mtk", "", "thermostat of nvt",
-            old="ensemble nvt dpds1|dpds2|mdvv|…",
+    _option("ensemble", "nve nvt npt nst pmf", "", "ensemble", old="ensemble nve|nvt|npt|nst …", req=True,
+            effects={"pmf": "refused: the ensemble pmf"}),
+    _option("ensemble_method", "dpd evans langevin andersen berendsen hoover gentle ttm mtk", "",
+            "thermostat of nvt, npt and nst", old="ensemble nvt dpds1|dpds2|mdvv|…",
             effects={**dict.fromkeys(("evans", "andersen", "gentle"), _OTHER_NVT),
-                     "ttm": "refused: the two-temperature model", "mtk": "refused: constant pressure"}),
+                     "ttm": "refused: the two-temperature model", "mtk": "refused: this barostat"}),
     _option("ensemble_dpd_order",
             "mdvv zeroth first second dpdvv scvv peters peters-first lowe-andersen stoyanov-groot ou ou-middle middle "
             "nose-hoover-langevin off",
@@ -189,17 +187,18 @@ _ENSEMBLE = (
     _float("ensemble_thermostat_coupling", "time", "0.0 ps", "relaxation time of berendsen and hoover"),
     _float("ensemble_thermostat_friction", "rate", "0.0 ps^-1", "friction of langevin"),
     _float("ensemble_thermostat_softness", "number", "0.0", "softness of Andersen's thermostat", _THERMOSTAT),
-    _float("ensemble_barostat_coupling", "time", "0.0 ps", "relaxation time of a barostat", _BAROSTAT),
-    _float("ensemble_barostat_friction", "rate", "0.0 ps^-1", "friction of a Langevin barostat", _BAROSTAT),
-    _option("ensemble_semi_isotropic", "off area tension orthorhombic", "off", "constraint of the cell", _BAROSTAT),
-    _bool("ensemble_semi_orthorhombic", "off", "constraint of the cell", _BAROSTAT),
-    _float("ensemble_tension", "tension", "0.0 N/m", "surface tension to hold", _BAROSTAT),
+    _float("ensemble_barostat_coupling", "time", "0.0 ps", "relaxation time of the piston of npt and nst; not given: "
+           "1/(2 pi friction)"),
+    _float("ensemble_barostat_friction", "rate", "0.0 ps^-1", "friction of the piston of npt and nst"),
+    _option("ensemble_semi_isotropic", "off area tension orthorhombic", "off",
+            "what the edges of nst's cell do: each by its own, z alone, a surface tension of x and y, a tension of 0"),
+    _bool("ensemble_semi_orthorhombic", "off", "with tension and orthorhombic: x and y change by one factor"),
+    _float("ensemble_tension", "tension", "0.0 N/m", "surface tension to hold"),
     _float("temperature", "temperature", "0.0 K", "temperature", old="temperature f"),
-    _float("pressure_hydrostatic", "pressure", "0.0 katm", "target pressure", _BAROSTAT, "pressure f"),
-    _vector("pressure_tensor", "pressure", 6, "[ 0.0 0.0 0.0 0.0 0.0 0.0 ] katm", "target stress xx yy zz xy xz yz",
-            _BAROSTAT, "pressure tensor xx yy zz xy xz yz"),
-    _vector("pressure_perpendicular", "pressure", 3, "[ 0.0 0.0 0.0 ] katm", "target pressures on the faces",
-            _BAROSTAT),
+    _float("pressure_hydrostatic", "pressure", "0.0 katm", "target pressure", old="pressure f"),
+    _vector("pressure_tensor", "pressure", 6, "[ 0.0 0.0 0.0 0.0 0.0 0.0 ] katm", "target pressures xx yy zz of "
+            "nst; xy xz yz are 0", old="pressure tensor xx yy zz xy xz yz"),
+    _vector("pressure_perpendicular", "pressure", 3, "[ 0.0 0.0 0.0 ] katm", "target pressures on the faces"),
     _option("pseudo_thermostat_method", "off langevin-direct langevin gaussian direct", "off", "thermostatted walls",
             "refused: a thermostat at the cell boundary", "pseudo method f f"),
     _float("pseudo_thermostat_width", "length", "2.0 ang", "thickness of the walls", _PSEUDO),

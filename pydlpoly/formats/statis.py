@@ -20,7 +20,13 @@ from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import FrameFile, PathLike
 from pydlpoly.formats.fortran import fortran_e, fortran_i
 from pydlpoly.formats.records import FloatArray
-from pydlpoly.formats.statis_columns import SCALAR_NAMES, STATISTICS_NAMES, Quantity
+from pydlpoly.formats.statis_columns import (
+    SCALAR_NAMES,
+    STATISTICS_NAMES,
+    VARIABLE_CELL_LABELS,
+    VARIABLE_CELL_NAMES,
+    Quantity,
+)
 from pydlpoly.formats.statis_table import StatisticsTable, read_statistics
 
 __all__ = [
@@ -44,6 +50,7 @@ class StatisticsRecord:
             have stays 0, as in DL_POLY.
         stress: (3, 3) stress tensor in katm, a pressure being positive.
         square_displacements: mean-square displacement of each species in Å², in the writer's order.
+        variable_cell: where the cell moves, the columns of ``VARIABLE_CELL_NAMES``.
     """
 
     step: int
@@ -78,12 +85,13 @@ class StatisticsRecord:
     conserved_term: float = 0.0
     stress: FloatArray = field(default_factory=lambda: np.zeros((3, 3)))
     square_displacements: tuple[float, ...] = ()
+    variable_cell: tuple[float, ...] = ()
 
     def values(self) -> FloatArray:
-        """Return all numbers in the order of the file: 28 scalars, 9 stress components, one value per species."""
+        """Return all numbers in the order of the file: 28 scalars, 9 stress components, species, the cell."""
         scalars = [getattr(self, name) for name in SCALAR_NAMES]
         stress = np.asarray(self.stress, dtype=np.float64).reshape(9)
-        return np.array([*scalars, *stress, *self.square_displacements], dtype=np.float64)
+        return np.array([*scalars, *stress, *self.square_displacements, *self.variable_cell], dtype=np.float64)
 
 
 class StatisticsWriter:
@@ -94,6 +102,7 @@ class StatisticsWriter:
         title: the run's title.
         energy_label: the energy unit as text, for example ``kJ/mol``.
         species: species names, one mean-square displacement each.
+        variable_cell: number of columns of a cell that moves, a key of ``VARIABLE_CELL_NAMES``.
         yaml: DL_POLY's ``io_statis_yaml`` form.
         append: go on with an existing file of the same form; a record that a kill cut short is dropped.
         keep_until: with ``append``, drop records of later steps, so that a run that continues from a checkpoint
@@ -111,6 +120,7 @@ class StatisticsWriter:
         energy_label: str,
         species: Sequence[str],
         *,
+        variable_cell: int = 0,
         yaml: bool = False,
         append: bool = False,
         keep_until: int | None = None,
@@ -118,7 +128,8 @@ class StatisticsWriter:
         """Open the file; see the class."""
         self._yaml = yaml
         self._species = tuple(species)
-        self._count = len(STATISTICS_NAMES) + len(self._species)
+        self._cell = VARIABLE_CELL_NAMES[variable_cell]
+        self._count = len(STATISTICS_NAMES) + len(self._species) + variable_cell
         self._path = os.fspath(path)
         header = self._yaml_header(title, energy_label) if yaml else _classic_header(title, energy_label)
         self._file = FrameFile(
@@ -130,11 +141,13 @@ class StatisticsWriter:
 
         Raises:
             RunError: the file cannot be written.
-            ValueError: the record's number of species is not the writer's.
+            ValueError: the record's number of species or of the cell's columns is not the writer's.
         """
         values = record.values()
         if len(values) != self._count:
-            raise ValueError(f"{len(record.square_displacements)} displacements for {len(self._species)} species")
+            moved, cell = len(record.square_displacements), len(record.variable_cell)
+            found = f"{moved} displacements for {len(self._species)} species"
+            raise ValueError(f"{found}, {cell} numbers of the cell for {len(self._cell)} columns")
         text = _yaml_row(record, values) if self._yaml else _classic_record(record, values)
         self._file.write(text.encode("ascii"))
 
@@ -158,6 +171,7 @@ class StatisticsWriter:
 
     def _yaml_header(self, title: str, energy_label: str) -> str:
         labels = ["step", "time", *(q.label for q in STATISTICS_NAMES), *(f"amsd {s}" for s in self._species)]
+        labels += [VARIABLE_CELL_LABELS[name] for name in self._cell]
         flow = ", ".join(_quoted(label) for label in labels)
         lines = ["%YAML 1.2", "---", f"title: {_quoted(title)}", f"energy unitS: {_quoted(energy_label)}"]
         return "\n".join([*lines, "labels:", f"  - [ {flow} ]", "timesteps:", ""])

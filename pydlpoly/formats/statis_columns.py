@@ -75,3 +75,13 @@ VARIABLE_CELL_NAMES: dict[int, tuple[str, ...]] = {
     14: (*_CELL, *_AREA, *_TENSION),
 }
 """Names of the columns that follow the species when the cell varies, by how many there are."""
+
+VARIABLE_CELL_LABELS: dict[str, str] = {
+    **{f"cell_{vector}{axis}": f"cell {vector.upper()}{k}" for vector in "abc" for k, axis in enumerate("xyz", 1)},
+    "pressure_volume": "pV",
+    "cell_height": "h_z",
+    "cell_area": "A_z",
+    "tension_x": "gamma_x",
+    "tension_y": "gamma_y",
+}
+"""DL_POLY's labels of these columns in the YAML form, by name."""

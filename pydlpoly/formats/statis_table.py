@@ -13,7 +13,7 @@ from pydlpoly.errors import InputError, suggest
 from pydlpoly.formats.atomic import PathLike, read_text
 from pydlpoly.formats.fortran import parse_real, parse_reals
 from pydlpoly.formats.records import FloatArray, IntArray
-from pydlpoly.formats.statis_columns import STATISTICS_NAMES, VARIABLE_CELL_NAMES
+from pydlpoly.formats.statis_columns import STATISTICS_NAMES, VARIABLE_CELL_LABELS, VARIABLE_CELL_NAMES
 
 _FIELD_WIDTH = 14  # of the classic form's numbers
 
@@ -236,6 +236,7 @@ def _columns_of_labels(labels: list[str], width: int, path: str) -> tuple[str, .
     if len(split) != width or [word.lower() for word in split[:2]] != ["step", "time"]:
         raise InputError(f"{len(split)} labels for rows of {width} values, or no 'step' and 'time' first", path=path)
     known = {_plain(q.label): q.name for q in STATISTICS_NAMES}
+    known |= {_plain(label): name for name, label in VARIABLE_CELL_LABELS.items()}
     return tuple(known.get(_plain(word), _extra_name(word)) for word in split)
 
 

@@ -5,18 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from pydlpoly.errors import InputError
+from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.model import Scene
 
 _CELL_TOLERANCE = 1e-8  # relative; a cell that went through REVCON has ten decimals
 
 
-def check_continues(stored: Scene, scene: Scene, path: str) -> None:
+def check_continues(stored: Scene, scene: Scene, path: str, cells: tuple[FloatArray, ...] = ()) -> None:
     """Check that a checkpoint of ``stored`` can go on as ``scene``; temperature, laws, timestep, outputs may differ.
 
     Args:
         stored: the scene in the checkpoint.
         scene: the scene to go on with.
         path: the checkpoint, for the message.
+        cells: where a barostat moved the cell: the present one and that of the start; either may be the scene's.
 
     Raises:
         InputError: other beads (number, species, masses, charges, which are frozen), another cell, or other bins of a
@@ -35,7 +37,9 @@ def check_continues(stored: Scene, scene: Scene, path: str) -> None:
     # The extent of an open axis follows the beads; only periodic axes are part of the scene's identity.
     rows = list(stored.periodic)
     tolerance = _CELL_TOLERANCE * float(np.abs(stored.cell).max())
-    if stored.imcon != scene.imcon or (np.abs(stored.cell - scene.cell)[rows] > tolerance).any():
+    same = [(np.abs(cell - scene.cell)[rows] <= tolerance).all() for cell in (stored.cell, *cells)]
+    shapes = {stored.imcon, scene.imcon}  # a cube may become an orthorhombic cell, and a cell with equal edges a cube
+    if not (len(shapes) == 1 or shapes == {1, 2}) or not any(same):
         raise InputError("holds another cell than the scene to go on with", path=path)
     _check_bins(stored, scene, path)
 

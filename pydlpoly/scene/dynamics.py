@@ -19,9 +19,14 @@ from pydlpoly.scene.settings import Notes, Settings, place
 from pydlpoly.units import BOLTZMANN
 
 _AVAILABLE = {
-    "new": "available are ensemble nve, and ensemble nvt with ensemble_method langevin, berendsen, hoover, or dpd and "
-    "an ensemble_dpd_order",
-    "old": "available are ensemble nve, and ensemble nvt langevin, berendsen, hoover, mdvv and the other orders of DPD",
+    "new": "available are ensemble nve, ensemble nvt with ensemble_method langevin, berendsen, hoover, or dpd and an "
+    "ensemble_dpd_order, and ensemble npt and nst with ensemble_method langevin or dpd",
+    "old": "available are ensemble nve, ensemble nvt langevin, berendsen, hoover, mdvv and the other orders of DPD, "
+    "and ensemble npt and nst langevin",
+}
+_METHODS = {
+    "nvt": ("", "dpd", *THERMOSTATS),
+    **dict.fromkeys(("npt", "nst"), ("", "dpd", "langevin")),
 }
 
 
@@ -142,12 +147,12 @@ def _integrator(settings: Settings) -> str:
     if ensemble == "nve":
         return "nve"
     available, method = _AVAILABLE[settings.style], settings.word("ensemble_method")
-    if ensemble != "nvt" or method not in ("", "dpd", *THERMOSTATS):
-        keyword = "ensemble" if ensemble != "nvt" else "ensemble_method"
+    if method not in _METHODS.get(ensemble, ()):
+        keyword = "ensemble_method" if ensemble in _METHODS and settings.given("ensemble_method") else "ensemble"
         name = f"ensemble {ensemble} {method}".strip()
         raise settings.refusal(keyword, f"{name} is not modelled; {available}")
     if method == "":
-        raise settings.refusal("ensemble", f"ensemble nvt needs a thermostat; {available}")
+        raise settings.refusal("ensemble", f"ensemble {ensemble} needs a thermostat; {available}")
     if method in THERMOSTATS:
         return method
     order = settings.word("ensemble_dpd_order")

@@ -141,9 +141,38 @@ def _dynamics(scene: Scene) -> list[str]:
     drift = "is removed in every step" if dynamics.remove_drift else "is not removed"
     return [
         *lines,
+        *_barostat(scene),
         f"timestep {dynamics.timestep:g}{word.time}",
         f"degrees of freedom {scene.degrees_of_freedom}; drift of the centre of mass {drift}",
     ]
+
+
+_CELL_MOTION = {
+    "isotropic": "the edges of the cell change by one factor",
+    "height": "z changes, the area of x and y stays as it is",
+    "square": "the edges x and y change by one factor, z by another",
+    "edges": "each edge of the cell changes by its own factor, the angles stay 90 degrees",
+}
+
+
+def _barostat(scene: Scene) -> list[str]:
+    """What moves the cell."""
+    barostat, word, units = scene.dynamics.barostat, _Words(scene), scene.units
+    if barostat is None:
+        return []
+    pressures = [f"{x * units.pressure_factor:.9g}" for x in barostat.pressure]
+    faces = pressures[0] if len(set(pressures)) == 1 else f"{' '.join(pressures)} on the faces across x y z"
+    unit = units.pressure_label and f" {units.pressure_label}"
+    lines = [
+        f"barostat: Langevin piston; {_CELL_MOTION[barostat.motion]}",
+        f"target pressure {faces}{unit}, of conservative forces and velocities, without drag and noise",
+        f"piston of mass g k_B T t^2, g degrees of freedom, t = {barostat.relaxation:g}{word.time}; friction "
+        f"{barostat.friction:g}" + (f" 1/{word.time.strip()}" if word.time else ""),
+    ]
+    if barostat.semi in ("tension", "orthorhombic"):
+        tension = barostat.tension * units.tension_factor
+        lines.append(f"surface tension of the xy plane {tension:.9g}{'' if units.reduced else ' dyn/cm'}")
+    return lines
 
 
 def _parameters_of(scene: Scene) -> list[str]:

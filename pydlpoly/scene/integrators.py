@@ -78,3 +78,10 @@ THERMOSTATS: dict[str, IntegratorInfo] = {
 def is_pairwise(integrator: str) -> bool:
     """Whether the integrator has drag and noise between pairs."""
     return integrator in INTEGRATORS
+
+
+WITH_BAROSTAT = (
+    *(name for name in INTEGRATORS if name not in ("dpdvv", "scvv", "nose-hoover-langevin")),
+    "langevin",
+)
+"""Integrators that go with ``ensemble npt`` and ``nst``."""

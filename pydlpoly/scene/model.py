@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 Start = Literal["clean", "rescale", "noscale", "continue"]
 Precision = Literal["double", "mixed", "reference"]
 BondedKind = Literal["bond", "angle", "dihedral", "inversion", "tether"]
+CellMotion = Literal["isotropic", "height", "square", "edges"]
+SemiIsotropic = Literal["off", "area", "tension", "orthorhombic"]
 Origin = Literal["given", "mixed", "filled", "overridden", "default", "none"]
 
 
@@ -165,6 +167,27 @@ class Schedule:
 
 
 @dataclass(frozen=True)
+class Barostat:
+    """A Langevin piston that moves the edges of an orthorhombic cell.
+
+    Attributes:
+        motion: "isotropic" (all edges by one factor), "height" (z alone), "square" (x and y by one factor, z by
+            another) or "edges" (each by its own).
+        semi: CONTROL's ``ensemble_semi_isotropic``; it says which columns STATIS has.
+        pressure: targets on the faces across x, y, z, internal units.
+        relaxation: τ of the mass g k_B T τ², ps; ``friction``: 1/ps.
+        tension: surface tension of the plane of x and y, internal units.
+    """
+
+    motion: CellMotion
+    pressure: tuple[float, float, float]
+    relaxation: float
+    friction: float
+    semi: SemiIsotropic = "off"
+    tension: float = 0.0
+
+
+@dataclass(frozen=True)
 class Dynamics:
     """How a step is taken.
 
@@ -184,6 +207,7 @@ class Dynamics:
         thermostat_mass: in units of degrees of freedom times k_B T/γ²; ``thermostat_friction``: 1/ps
             (nose-hoover-langevin, langevin).
         schedule: the temperature where it varies with time.
+        barostat: what moves the cell, None where it is fixed.
         remove_drift: whether the centre-of-mass velocity of the mobile beads is removed in every step.
         precision: arithmetic of the pair forces, "double", "mixed" or "reference".
     """
@@ -204,6 +228,7 @@ class Dynamics:
     thermostat_mass: float = 1.0
     thermostat_friction: float = 1.0
     schedule: Schedule | None = None
+    barostat: Barostat | None = None
     remove_drift: bool = False
     precision: Precision = "double"
 

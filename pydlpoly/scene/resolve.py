@@ -8,6 +8,7 @@ import numpy as np
 
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import Configuration, Control, Field, FloatArray, PairTable
+from pydlpoly.scene.barostat import check_barostat, resolve_barostat, shape_of
 from pydlpoly.scene.beads import Layout, check_charges, check_configuration, lay_out
 from pydlpoly.scene.bonded import resolve_bonded
 from pydlpoly.scene.bonded_laws import KINDS
@@ -62,12 +63,15 @@ def resolve(
 
     units, field_units = _units(settings, field, notes)
     dynamics = resolve_dynamics(settings, field_units.reduced, notes)
+    dynamics = resolve_barostat(settings, dynamics, notes)
     layout = lay_out(field, notes)
     check_configuration(layout, field, config)
     check_charges(layout, settings, field, notes)
     external = resolve_external(field, field_units.factor, config.imcon, notes)
+    check_barostat(dynamics, settings, config, field, layout, external)
     cutoffs = resolve_cutoffs(settings, notes)
     cell, periodic = resolve_cell(config, cutoffs[0], notes)
+    imcon = shape_of(dynamics, config.imcon, settings, notes)
     pairs = resolve_pairs(settings, field, field_units.factor, layout, dynamics, cutoffs, tables, notes)
     check_limits(dynamics, pairs, layout, settings, notes)
     note_small_cell(pairs, widths(cell)[list(periodic)].tolist(), notes)
@@ -87,7 +91,7 @@ def resolve(
         species=layout.species_names,
         beads=beads,
         cell=cell,
-        imcon=config.imcon,
+        imcon=imcon,
         periodic=periodic,
         pairs=pairs,
         external=external,

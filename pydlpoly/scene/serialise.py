@@ -22,6 +22,7 @@ _CLASSES: dict[str, type[Any]] = {
         model.BondedTerm,
         model.Bonded,
         model.Schedule,
+        model.Barostat,
         model.Dynamics,
         model.RunPlan,
         model.OutputPlan,

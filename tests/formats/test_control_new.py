@@ -308,7 +308,9 @@ def test_dl_polys_own_python_tools_know_no_other_keyword() -> None:
     [
         ("timestep 1 fs", "used", ""),
         ("ensemble nve", "used", ""),
-        ("ensemble npt", "refused", "constant pressure"),
+        ("ensemble npt", "used", ""),
+        ("ensemble pmf", "refused", "the ensemble pmf"),
+        ("ensemble_method mtk", "refused", "this barostat"),
         ("ensemble_method hoover", "used", ""),
         ("ensemble_method evans", "refused", "NVT by this thermostat"),
         ("ensemble_dpd_order mdvv", "used", ""),

@@ -206,7 +206,7 @@ def test_dl_poly_s_own_yaml_quirks_are_understood(tmp_path: Path) -> None:
     (tmp_path / "STATIS").write_text(text, encoding="utf-8")
     table = read_statistics(tmp_path / "STATIS")
     assert table["msd_Na"][0] == 0.5
-    assert table["pV"][0] == 9.0
+    assert table["pressure_volume"][0] == 9.0
     assert table["cell_gamma"][0] == 2.5
 
 

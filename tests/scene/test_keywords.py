@@ -50,9 +50,11 @@ def test_every_used_keyword_is_asked_for(make, readings):
         make(control={"ensemble_method": method, "ensemble_dpd_order": None, **number}).scene()
     make(control={"temperature_times": "[ 0 1 ] dpd_t", "temperature_values": "[ 1 2 ] dpd_temp"}).scene()
     make(control={"temperature_amplitude": "0.5 dpd_temp", "temperature_period": "1 dpd_t"}).scene()
+    piston = {"ensemble": "nst", "ensemble_barostat_friction": "1 dpd_t^-1"}
+    make(control={**piston, "ensemble_semi_isotropic": "tension", "ensemble_tension": "1 dpd_f/dpd_l"}).scene()
     consumed = set().union(*(settings.consumed for settings in readings))
     used = {row.keyword for row in KEYWORDS.values() if is_used(row)}
-    assert len(readings) == 7 + len(orders)
+    assert len(readings) == 8 + len(orders)
     assert used - consumed == set()
     assert consumed - used - {"coul_method"} == set()  # nothing that the table calls ignored or refused is read
 
@@ -79,7 +81,10 @@ def is_accounted_for(scene, settings, keyword):
     return noted or keyword == "coul_method" or (keyword in settings.consumed and is_used(KEYWORDS[keyword]))
 
 
-@pytest.mark.parametrize("ensemble", [{}, NVE], ids=["dpd", "nve"])
+PISTON = {"ensemble": "nst", "ensemble_semi_isotropic": "tension", "ensemble_barostat_friction": "1 dpd_t^-1"}
+
+
+@pytest.mark.parametrize("ensemble", [{}, NVE, PISTON], ids=["dpd", "nve", "nst"])
 def test_every_setting_is_used_noted_or_refused(make, readings, ensemble):
     case = make(control=ensemble)
     control = parse_control(case.control_text())

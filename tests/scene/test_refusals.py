@@ -14,14 +14,79 @@ from pydlpoly.formats.records import PairLine
 from pydlpoly.scene import resolve
 
 AVAILABLE = (
-    "available are ensemble nve, and ensemble nvt with ensemble_method langevin, berendsen, hoover, or dpd and "
-    "an ensemble_dpd_order"
+    "available are ensemble nve, ensemble nvt with ensemble_method langevin, berendsen, hoover, or dpd and an "
+    "ensemble_dpd_order, and ensemble npt and nst with ensemble_method langevin or dpd"
 )
 
+PISTON = {"ensemble": "npt", "ensemble_barostat_friction": "1 dpd_t^-1"}
+
 CASES = {
-    "ensemble_npt": (
+    "ensemble_pmf": (
+        {"control": {"ensemble": "pmf", "ensemble_method": None}},
+        f"CONTROL:2: 'ensemble': ensemble pmf is not modelled; {AVAILABLE}",
+    ),
+    "npt_hoover": (
+        {"control": {"ensemble": "npt", "ensemble_method": "hoover"}},
+        f"CONTROL:3: 'ensemble_method': ensemble npt hoover is not modelled; {AVAILABLE}",
+    ),
+    "npt_by_another_order": (
+        {"control": {**PISTON, "ensemble_dpd_order": "scvv"}},
+        (
+            "CONTROL:4: 'ensemble_dpd_order': ensemble npt is not modelled with scvv; it is with mdvv, zeroth, first, "
+            "second, peters, peters-first, lowe-andersen, stoyanov-groot, ou, ou-middle, middle, langevin"
+        ),
+    ),
+    "npt_without_friction": (
         {"control": {"ensemble": "npt"}},
-        f"CONTROL:2: 'ensemble': ensemble npt dpd is not modelled; {AVAILABLE}",
+        "CONTROL:2: 'ensemble': the piston needs an ensemble_barostat_friction above 0",
+    ),
+    "npt_without_relaxation": (
+        {"control": {**PISTON, "ensemble_barostat_coupling": "0 dpd_t"}},
+        "CONTROL:11: 'ensemble_barostat_coupling': the piston's relaxation time must be above 0, not 0",
+    ),
+    "npt_at_rest": (
+        {"control": {**PISTON, "temperature": "0 dpd_temp"}},
+        "CONTROL:2: 'ensemble': ensemble npt needs a temperature above 0: the piston's mass has it",
+    ),
+    "npt_in_a_slab": (
+        {"control": PISTON, "imcon": 6},
+        "CONTROL:2: 'ensemble': ensemble npt: periodicity key imcon 6 is not modelled with it; 1 and 2 are",
+    ),
+    "npt_in_a_skewed_cell": (
+        {"control": PISTON, "imcon": 3},
+        "CONTROL:2: 'ensemble': ensemble npt: periodicity key imcon 3 is not modelled with it; 1 and 2 are",
+    ),
+    "npt_with_frozen_beads": (
+        {"control": PISTON, "atoms": ("A 1.0 0.0 1 1", "B 2.0 0.0")},
+        "CONTROL:2: 'ensemble': ensemble npt: frozen beads are not modelled with it",
+    ),
+    "npt_with_a_field": (
+        {"control": PISTON, "after": "extern\ngrav 0 0 -1"},
+        "CONTROL:2: 'ensemble': ensemble npt: external fields are not modelled with it",
+    ),
+    "npt_with_tethers": (
+        {"control": PISTON, "inside": "teth 1\nharm 1 5.0"},
+        "CONTROL:2: 'ensemble': ensemble npt: tethers are not modelled with it",
+    ),
+    "two_pressures": (
+        {"control": {**PISTON, "pressure_hydrostatic": "1 dpd_p", "pressure_tensor": "[ 1 1 1 0 0 0 ] dpd_p"}},
+        "CONTROL:12: 'pressure_tensor': the target pressure is given already, by pressure_hydrostatic",
+    ),
+    "shear_stress": (
+        {"control": {**PISTON, "ensemble": "nst", "pressure_tensor": "[ 1 1 1 0.1 0 0 ] dpd_p"}},
+        "CONTROL:11: 'pressure_tensor': the cell's angles stay 90 degrees: xy, xz and yz must be 0",
+    ),
+    "sides_of_a_square": (
+        {
+            "control": {
+                **PISTON,
+                "ensemble": "nst",
+                "ensemble_semi_isotropic": "orthorhombic",
+                "ensemble_semi_orthorhombic": "on",
+                "pressure_perpendicular": "[ 1 2 3 ] dpd_p",
+            }
+        },
+        "CONTROL:13: 'pressure_perpendicular': x and y change by one factor: their pressures must be the same",
     ),
     "ensemble_andersen": (
         {"control": {"ensemble_method": "andersen"}},

@@ -11,6 +11,7 @@ from pydlpoly.formats.control import parse_control
 from pydlpoly.formats.field import parse_field
 from pydlpoly.scene import resolve
 from pydlpoly.scene.dynamics import combine_seed
+from pydlpoly.units import KATM_PER_INTERNAL_PRESSURE, TENSION_IN_DYN_PER_CM
 
 NVE = {"ensemble": "nve", "ensemble_method": None, "ensemble_dpd_order": None}
 FROZEN = ("A 1.0 0.0", "B 2.0 0.0 1 1")
@@ -140,7 +141,10 @@ def test_velocities_of_frozen_beads_are_set_to_zero(make, drifting):
 def test_old_style_files_are_told_what_is_available_in_their_own_words(make, ensemble):
     case = make()
     control = parse_control(f"old\ntemperature 1.0\ntimestep 0.01\nsteps 10\ncutoff 1.0\nensemble {ensemble}\nfinish\n")
-    available = "ensemble nve, and ensemble nvt langevin, berendsen, hoover, mdvv and the other orders of DPD"
+    available = (
+        "ensemble nve, ensemble nvt langevin, berendsen, hoover, mdvv and the other orders of DPD, and ensemble npt "
+        "and nst langevin"
+    )
     with pytest.raises(SceneError, match=rf"^CONTROL:6: .*; available are {available}$"):
         resolve(control, parse_field(case.field_text()), parse_config(case.config_text()))
 
@@ -155,6 +159,26 @@ def test_old_style_orders(make, ensemble, integrator):
     control = parse_control(f"old\ntemperature 1.0\ntimestep 0.01\nsteps 10\ncutoff 1.0\nensemble {ensemble}\nfinish\n")
     scene = resolve(control, parse_field(case.field_text()), parse_config(case.config_text()))
     assert scene.dynamics.integrator == integrator
+
+
+@pytest.mark.parametrize(
+    ("ensemble", "motion", "tension"),
+    [("npt lang 1 2", "isotropic", 0.0), ("nst lang 1 2", "edges", 0.0), ("nst lang 1 2 area", "height", 0.0),
+     ("nst lang 1 2 tens 10", "edges", 10.0), ("nst lang 1 2 tens 10 semi", "square", 10.0),
+     ("nst lang 1 2 orth", "edges", 0.0), ("nst lang 1 2 orth semi", "square", 0.0)],
+)  # fmt: skip
+def test_old_style_barostats(make, ensemble, motion, tension):
+    case = make()
+    head = "old\ntemperature 1.0\ntimestep 0.01\nsteps 10\ncutoff 1.0\npressure 0.5\n"
+    control = parse_control(f"{head}ensemble {ensemble}\nfinish\n")
+    scene = resolve(control, parse_field(case.field_text()), parse_config(case.config_text()))
+    barostat = scene.dynamics.barostat
+    assert (scene.dynamics.integrator, scene.dynamics.thermostat_friction) == ("langevin", 1.0)
+    assert (barostat.motion, barostat.friction) == (motion, 2.0)
+    assert barostat.relaxation == pytest.approx(1 / (4 * np.pi))
+    assert barostat.pressure == pytest.approx([0.5 / KATM_PER_INTERNAL_PRESSURE] * 3)
+    assert barostat.tension == pytest.approx(tension / TENSION_IN_DYN_PER_CM, rel=5e-4)
+    assert scene.imcon == (1 if motion == "isotropic" else 2)
 
 
 def test_old_style_drag_fills_pairs(make):
