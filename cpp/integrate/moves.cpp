@@ -123,8 +123,8 @@ void move_beads(State& state, const Place& place) {
 
 void drift(State& state, const StepSettings& settings, double time) {
     const Particles& particles = state.particles;
-    refuse_long_moves(state, settings, time);
     if (!settings.barostat.acts()) {
+        refuse_long_moves(state, settings, time);
         move_beads(state, [&](Eigen::Index i) -> Vector3 {
             return (particles.position.row(i) + time * particles.velocity.row(i)).transpose();
         });
@@ -144,6 +144,7 @@ void drift(State& state, const StepSettings& settings, double time) {
         reach[axis] = time * mean_growth(exponent);
         cell.col(axis) *= growth[axis];
     }
+    refuse_long_moves(state, settings, time);
     state.box = Box(cell, state.box.periodic());
     move_beads(state, [&](Eigen::Index i) -> Vector3 {
         return growth.cwiseProduct(particles.position.row(i).transpose()) +
