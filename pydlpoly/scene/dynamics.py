@@ -58,6 +58,10 @@ def resolve_dynamics(settings: Settings, reduced: bool, notes: Notes) -> Dynamic
             raise settings.refusal(keyword, f"{expected}, not {value:g}")
         changes: dict[str, Any] = {name: value}
         dynamics = replace(dynamics, **changes)
+    across = "ensemble_dpd_transverse_drag"
+    if across not in taken and settings.given(across) and settings.number(across) != 0.0:
+        sweeps = ", ".join(name for name, info in INTEGRATORS.items() if across in info.keywords)
+        raise settings.refusal(across, f"{order} has no drag across a pair's line; those that have: {sweeps}")
     if "ensemble_dpd_kinetic" in taken:
         dynamics = replace(dynamics, half_step_kinetic=settings.word("ensemble_dpd_kinetic") == "half")
     schedule, thermal_energy = _schedule(settings, BOLTZMANN * temperature)

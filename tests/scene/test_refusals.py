@@ -110,6 +110,13 @@ CASES = {
             "above 1; here it is 2"
         ),
     ),
+    "transverse_drag_of_forces": (
+        {"control": {"ensemble_dpd_transverse_drag": "0.5"}},
+        (
+            "CONTROL:10: 'ensemble_dpd_transverse_drag': mdvv has no drag across a pair's line; those that have: "
+            "zeroth, first, second, peters, peters-first, ou, ou-middle"
+        ),
+    ),
     "no_pass": (
         {"control": {"ensemble_dpd_order": "middle", "ensemble_dpd_passes": "0"}},
         "CONTROL:10: 'ensemble_dpd_passes': the number of passes lies in 1 to 3, not 0",
