@@ -16,7 +16,7 @@ import numpy as np
 
 from pydlpoly import Simulation
 from pydlpoly.bench.scenes import cube, single_beads
-from pydlpoly.errors import RunError
+from pydlpoly.errors import RunError, SceneError
 from pydlpoly.scene.integrators import INTEGRATORS
 from pydlpoly.scene.model import Scene
 
@@ -92,7 +92,16 @@ def sample(simulation: Simulation) -> list[float]:
     return [seen.temperature, squared, curvature, pressure, seen.energy["potential"] / simulation.scene.bead_count]
 
 
-def _text(cell: Cell | None, ideal: bool) -> str:
+def _measure_or_refuse(row: str, timestep: float, repulsion: float) -> Cell | str | None:
+    try:
+        return measure(row, timestep, repulsion)
+    except SceneError:
+        return "refused"
+
+
+def _text(cell: Cell | str | None, ideal: bool) -> str:
+    if isinstance(cell, str):
+        return cell
     if cell is None or not cell.kinetic < 10.0:
         return "unstable"
     return f"{cell.kinetic:.3f}" if ideal else f"{cell.kinetic:.3f} / {cell.configurational:.3f}"
@@ -102,7 +111,7 @@ def main() -> None:
     """Measure all cells and rewrite the page."""
     jobs = [(row, timestep, repulsion) for repulsion in (25.0, 0.0) for row in SETTINGS for timestep in TIMESTEPS]
     with ProcessPoolExecutor() as pool:
-        cells = dict(zip(jobs, pool.map(measure, *zip(*jobs, strict=True)), strict=True))
+        cells = dict(zip(jobs, pool.map(_measure_or_refuse, *zip(*jobs, strict=True)), strict=True))
     parts = []
     for repulsion, title in ((25.0, "A = 25: kinetic / configurational temperature"), (0.0, "A = 0: kinetic")):
         lines = [f"{title}\n", "| integrator | " + " | ".join(f"Δt = {t:.2f}" for t in TIMESTEPS) + " |"]
@@ -110,7 +119,7 @@ def main() -> None:
         for row in SETTINGS:
             texts = [_text(cells[row, timestep, repulsion], repulsion == 0.0) for timestep in TIMESTEPS]
             lines.append(f"| {row} | " + " | ".join(texts) + " |")
-        found = [cell for cell in cells.values() if cell is not None]
+        found = [cell for cell in cells.values() if isinstance(cell, Cell)]
         parts.append("\n".join(lines) + "\n")
     errors = [max(c.kinetic_error, c.configurational_error) for c in found if c.kinetic < 2.0]
     parts.append(f"Standard errors have the median {np.median(errors):.4f}.\n")

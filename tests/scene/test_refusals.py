@@ -114,7 +114,7 @@ CASES = {
         {"control": {"ensemble_dpd_transverse_drag": "0.5"}},
         (
             "CONTROL:10: 'ensemble_dpd_transverse_drag': mdvv has no drag across a pair's line; those that have: "
-            "zeroth, first, second, peters, peters-first, ou, ou-middle"
+            "zeroth, first, second, peters, peters-first, lowe-andersen, stoyanov-groot, ou, ou-middle"
         ),
     ),
     "no_pass": (
