@@ -28,7 +28,7 @@ from pydlpoly.scene.serialise import scene_from_arrays, scene_to_arrays
 
 _SECONDS_PER_CHUNK = 0.2  # how long Ctrl-C may wait in scenes of usual size
 _STEPS_PER_CHUNK = 20  # at least, unless they take longer than
-_LONGEST_CHUNK = 3.0  # seconds
+_LONGEST_CHUNK = 20.0  # seconds
 _MOST_CELLS = 2.0**30  # that a bead may be away from the cell
 
 
@@ -243,7 +243,7 @@ class Simulation:
 
     def _chunk(self) -> int:
         # A chunk's ends cost as much as a step or two. Large scenes take several steps all the same, while an interrupt
-        # still waits no longer than a few seconds.
+        # still waits no longer than twenty seconds, and a second one does not wait.
         several = min(_STEPS_PER_CHUNK, int(self._rate * _LONGEST_CHUNK))
         return max(1, int(self._rate * _SECONDS_PER_CHUNK), several)
 
