@@ -12,15 +12,6 @@ namespace dlpoly {
 
 namespace {
 
-// Tells lattice vectors apart by a small number, 0 for the cell itself.
-std::uint8_t image_code(const std::array<std::int32_t, 3>& shift, int sign) {
-    std::int32_t code = 0;
-    for (const std::int32_t s : shift) {
-        code = code * 6 + ((sign * s) % 6 + 6) % 6;
-    }
-    return static_cast<std::uint8_t>(code);
-}
-
 // A bead may have crossed into the next cell since the list was built, and its partner the other way.
 constexpr std::int32_t crossings = 2;
 
@@ -62,7 +53,8 @@ bool PairList::refresh(const Box& box, const Particles& particles, int threads) 
                 const double crossed = periodic_[static_cast<std::size_t>(axis)] ? std::nearbyint(cells[axis]) : 0.0;
                 if (std::abs(crossed) <= 1.0) {
                     moved += crossed * box.cell().row(axis).transpose();
-                    bead.lattice += static_cast<std::int64_t>(crossed) * stride_[static_cast<std::size_t>(axis)];
+                    bead.lattice +=
+                        static_cast<std::int64_t>(crossed) * lattice_.stride[static_cast<std::size_t>(axis)];
                 }
             }
             const double across = moved.squaredNorm();
@@ -97,22 +89,7 @@ void PairList::number_shifts(const Box& box) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         reach[axis] = periodic_[axis] ? most[axis] + crossings : 0;
     }
-    stride_ = {1, 2 * reach[0] + 1, std::int64_t{2 * reach[0] + 1} * (2 * reach[1] + 1)};
-    zero_ = reach[0] + reach[1] * stride_[1] + reach[2] * stride_[2];
-    shifts_.clear();
-    image_codes_.clear();
-    for (std::int32_t c = -reach[2]; c <= reach[2]; ++c) {
-        for (std::int32_t b = -reach[1]; b <= reach[1]; ++b) {
-            for (std::int32_t a = -reach[0]; a <= reach[0]; ++a) {
-                const Vector3 shift =
-                    (box.cell().row(0) * a + box.cell().row(1) * b + box.cell().row(2) * c).transpose();
-                shifts_.push_back({shift[0], shift[1], shift[2], 0.0});
-                if (cells_.has_several_images()) {
-                    image_codes_.push_back({{image_code({a, b, c}, 1), image_code({a, b, c}, -1)}});
-                }
-            }
-        }
-    }
+    lattice_.number(box, reach, cells_.has_several_images());
 }
 
 void PairList::build(const Box& box, const Particles& particles, const PairTable& table, const Exclusions& exclusions,
@@ -188,7 +165,7 @@ void PairList::build(const Box& box, const Particles& particles, const PairTable
 // The neighbours of a cell as ranges of sorted beads; cells that follow each other make one range.
 void PairList::find_ranges(std::int32_t cell, Scratch& scratch) const {
     scratch.ranges.clear();
-    scratch.ranges.push_back({cells_.start(cell), cells_.start(cell + 1), static_cast<std::uint32_t>(zero_)});
+    scratch.ranges.push_back({cells_.start(cell), cells_.start(cell + 1), static_cast<std::uint32_t>(lattice_.zero)});
     cells_.neighbours(cell, scratch.neighbours);
     for (const CellImage& other : scratch.neighbours) {
         const std::uint32_t begin = cells_.start(other.cell);
@@ -196,8 +173,9 @@ void PairList::find_ranges(std::int32_t cell, Scratch& scratch) const {
         if (begin == end) {
             continue;
         }
-        const auto image = static_cast<std::uint32_t>(zero_ + other.shift[0] * stride_[0] +
-                                                      other.shift[1] * stride_[1] + other.shift[2] * stride_[2]);
+        const auto image =
+            static_cast<std::uint32_t>(lattice_.zero + other.shift[0] * lattice_.stride[0] +
+                                       other.shift[1] * lattice_.stride[1] + other.shift[2] * lattice_.stride[2]);
         if (CandidateRange& last = scratch.ranges.back(); last.end == begin && last.image == image) {
             last.end = end;
         } else {
@@ -211,8 +189,9 @@ void PairList::build_row(std::int32_t row, const PairTable& table, const Exclusi
     list.entries.clear();
     list.segments.clear();
     list.blocks.clear();
-    const ListEntry filler{static_cast<std::uint32_t>(cells_.order().size()), static_cast<std::uint32_t>(zero_)};
-    const SearchArguments arguments{x_.data(), y_.data(), z_.data(), shifts_.data(), limit_squared_};
+    const ListEntry filler{static_cast<std::uint32_t>(cells_.order().size()),
+                           static_cast<std::uint32_t>(lattice_.zero)};
+    const SearchArguments arguments{x_.data(), y_.data(), z_.data(), lattice_.vectors.data(), limit_squared_};
     const auto fill_up = [&filler](std::vector<ListEntry>& entries) {
         entries.resize((entries.size() + batch_lanes - 1) / batch_lanes * batch_lanes, filler);
     };
@@ -284,7 +263,7 @@ void PairList::distribute(std::uint32_t bead, const ListEntry* end, const PairTa
             continue;
         }
         const std::uint32_t term = table.term(std::min(own, species_[j]), std::max(own, species_[j]));
-        const ShiftRecord& shift = shifts_[entry->image];
+        const ShiftRecord& shift = lattice_.vectors[entry->image];
         const double dx = (x_[bead] - x_[j]) - shift.x;
         const double dy = (y_[bead] - y_[j]) - shift.y;
         const double dz = (z_[bead] - z_[j]) - shift.z;

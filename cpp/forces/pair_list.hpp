@@ -14,6 +14,7 @@
 #include "core/box.hpp"
 #include "core/particles.hpp"
 #include "forces/exclusions.hpp"
+#include "forces/lattice_shifts.hpp"
 #include "forces/pair_phases.hpp"
 #include "forces/pair_table.hpp"
 
@@ -48,10 +49,10 @@ class PairList {
     // Beads in sorted order, and one more that is nowhere.
     [[nodiscard]] const std::vector<BeadRecord>& beads() const noexcept { return beads_; }
     [[nodiscard]] const std::vector<std::uint32_t>& order() const noexcept { return cells_.order(); }
-    [[nodiscard]] const std::vector<ShiftRecord>& shifts() const noexcept { return shifts_; }
-    [[nodiscard]] std::int64_t zero_shift() const noexcept { return zero_; }
+    [[nodiscard]] const std::vector<ShiftRecord>& shifts() const noexcept { return lattice_.vectors; }
+    [[nodiscard]] std::int64_t zero_shift() const noexcept { return lattice_.zero; }
     // By number of the lattice vector; empty when pairs have one image only.
-    [[nodiscard]] const std::vector<ImageCodes>& image_codes() const noexcept { return image_codes_; }
+    [[nodiscard]] const std::vector<ImageCodes>& image_codes() const noexcept { return lattice_.codes; }
 
     // Entries of the list, without those that fill up lanes.
     [[nodiscard]] std::int64_t size() const noexcept { return size_; }
@@ -85,10 +86,7 @@ class PairList {
     std::vector<double> x_, y_, z_;  // in sorted order, when the list was built
     std::vector<std::int32_t> species_;
     std::vector<std::uint8_t> frozen_;
-    std::vector<ShiftRecord> shifts_;
-    std::vector<ImageCodes> image_codes_;
-    std::array<std::int64_t, 3> stride_{};
-    std::int64_t zero_ = 0;
+    LatticeShifts lattice_;
     std::vector<double> term_limit_squared_;
     double limit_squared_ = 0.0;
     double range_ = 0.0;

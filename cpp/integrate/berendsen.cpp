@@ -9,11 +9,6 @@
 
 namespace dlpoly {
 
-void Berendsen::start(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {
-    compute_forces(state, forces, settings, conservative_request(state, settings, observe), state.particles.velocity,
-                   totals);
-}
-
 void Berendsen::step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {
     Particles& particles = state.particles;
     kick(particles, 0.5 * settings.timestep);

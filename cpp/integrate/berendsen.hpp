@@ -8,7 +8,6 @@ namespace dlpoly {
 
 class Berendsen final : public Integrator {
   public:
-    void start(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) override;
     void step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) override;
 };
 

@@ -5,11 +5,6 @@
 
 namespace dlpoly {
 
-void DragRecomputed::start(State& state, Forces& forces, const StepSettings& settings, bool observe,
-                           PairTotals& totals) {
-    compute_forces(state, forces, settings, request_of(state, settings, observe), state.particles.velocity, totals);
-}
-
 void DragRecomputed::step(State& state, Forces& forces, const StepSettings& settings, bool observe,
                           PairTotals& totals) {
     Particles& particles = state.particles;

@@ -7,13 +7,26 @@
 #include "integrate/drag_recomputed.hpp"
 #include "integrate/langevin.hpp"
 #include "integrate/middle.hpp"
+#include "integrate/moves.hpp"
 #include "integrate/nose_hoover.hpp"
 #include "integrate/nose_hoover_langevin.hpp"
+#include "integrate/piston.hpp"
 #include "integrate/self_consistent.hpp"
 #include "integrate/splitting.hpp"
 #include "integrate/velocity_verlet.hpp"
 
 namespace dlpoly {
+
+void Integrator::start(State& state, Forces& forces, const StepSettings& settings, bool observe,
+                       PairTotals& totals) const {
+    if (variables() > 0) {
+        state.thermostat.resize(variables(), 0.0);
+    }
+    start_piston(state, settings);
+    const ForceRequest request =
+        drag_is_a_force() ? request_of(state, settings, observe) : conservative_request(state, settings, observe);
+    compute_forces(state, forces, settings, request, state.particles.velocity, totals);
+}
 
 std::unique_ptr<Integrator> make_integrator(const StepSettings& settings) {
     switch (settings.order) {

@@ -32,12 +32,6 @@ void thermalise(State& state, const StepSettings& settings) {
 
 }  // namespace
 
-void Langevin::start(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {
-    start_piston(state, settings);
-    compute_forces(state, forces, settings, conservative_request(state, settings, observe), state.particles.velocity,
-                   totals);
-}
-
 void Langevin::step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {
     Particles& particles = state.particles;
     push_piston(state, forces, totals, settings, 0.5 * settings.timestep);

@@ -9,7 +9,6 @@ namespace dlpoly {
 
 class Langevin final : public Integrator {
   public:
-    void start(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) override;
     void step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) override;
 };
 

@@ -10,12 +10,6 @@
 
 namespace dlpoly {
 
-void Middle::start(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {
-    start_piston(state, settings);
-    compute_forces(state, forces, settings, conservative_request(state, settings, observe), state.particles.velocity,
-                   totals);
-}
-
 void Middle::thermalise(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {
     Particles& particles = state.particles;
     const double duration = settings.timestep * settings.thermostat_every;

@@ -44,12 +44,6 @@ double thermostat_energy(const State& state, const StepSettings& settings) {
     return 0.5 * inertia * state.thermostat[0] * state.thermostat[0] + wanted * state.thermostat[1];
 }
 
-void NoseHoover::start(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {
-    state.thermostat.resize(2, 0.0);
-    compute_forces(state, forces, settings, conservative_request(state, settings, observe), state.particles.velocity,
-                   totals);
-}
-
 void NoseHoover::step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {
     Particles& particles = state.particles;
     half_step(state, settings);

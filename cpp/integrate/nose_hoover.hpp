@@ -10,8 +10,10 @@ namespace dlpoly {
 // State::thermostat holds χ and ∫χ dt.
 class NoseHoover final : public Integrator {
   public:
-    void start(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) override;
     void step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) override;
+
+  protected:
+    [[nodiscard]] std::size_t variables() const override { return 2; }
 };
 
 // ½Qχ² + g k_B T ∫χ dt; 0 for other integrators.

@@ -11,13 +11,6 @@
 
 namespace dlpoly {
 
-void NoseHooverLangevin::start(State& state, Forces& forces, const StepSettings& settings, bool observe,
-                               PairTotals& totals) {
-    state.thermostat.resize(1, 0.0);
-    compute_forces(state, forces, settings, conservative_request(state, settings, observe), state.particles.velocity,
-                   totals);
-}
-
 void NoseHooverLangevin::step(State& state, Forces& forces, const StepSettings& settings, bool observe,
                               PairTotals& totals) {
     if (!sweep_) {

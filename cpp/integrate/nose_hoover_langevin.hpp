@@ -14,8 +14,10 @@ namespace dlpoly {
 
 class NoseHooverLangevin final : public Integrator {
   public:
-    void start(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) override;
     void step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) override;
+
+  protected:
+    [[nodiscard]] std::size_t variables() const override { return 1; }
 
   private:
     std::optional<PairSweep> sweep_;

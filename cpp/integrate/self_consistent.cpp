@@ -16,11 +16,6 @@ constexpr int most_iterations = 200;
 
 }  // namespace
 
-void SelfConsistent::start(State& state, Forces& forces, const StepSettings& settings, bool observe,
-                           PairTotals& totals) {
-    compute_forces(state, forces, settings, request_of(state, settings, observe), state.particles.velocity, totals);
-}
-
 void SelfConsistent::step(State& state, Forces& forces, const StepSettings& settings, bool observe,
                           PairTotals& totals) {
     Particles& particles = state.particles;

@@ -9,9 +9,11 @@ namespace dlpoly {
 
 class SelfConsistent final : public Integrator {
   public:
-    void start(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) override;
     // Throws RunFailure when the iteration does not converge: the timestep is too long for the drag.
     void step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) override;
+
+  protected:
+    [[nodiscard]] bool drag_is_a_force() const override { return true; }
 
   private:
     Array3N others_;   // conservative forces and noise

@@ -27,12 +27,6 @@ SweepSettings sweep_settings(const State& state, const StepSettings& settings, d
     return sweep;
 }
 
-void Splitting::start(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {
-    start_piston(state, settings);
-    compute_forces(state, forces, settings, conservative_request(state, settings, observe), state.particles.velocity,
-                   totals);
-}
-
 void Splitting::sweep(State& state, const StepSettings& settings, double duration, Stream stream, bool backward,
                       bool observe) {
     SweepSettings told = sweep_settings(state, settings, duration, stream);

@@ -18,7 +18,6 @@ class Splitting final : public Integrator {
   public:
     explicit Splitting(Order order) : order_(order) {}
 
-    void start(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) override;
     void step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) override;
 
   private:

@@ -7,12 +7,6 @@
 
 namespace dlpoly {
 
-void VelocityVerlet::start(State& state, Forces& forces, const StepSettings& settings, bool observe,
-                           PairTotals& totals) {
-    start_piston(state, settings);
-    compute_forces(state, forces, settings, request_of(state, settings, observe), state.particles.velocity, totals);
-}
-
 void VelocityVerlet::step(State& state, Forces& forces, const StepSettings& settings, bool observe,
                           PairTotals& totals) {
     Particles& particles = state.particles;

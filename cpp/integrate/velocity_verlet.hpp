@@ -9,8 +9,10 @@ namespace dlpoly {
 
 class VelocityVerlet final : public Integrator {
   public:
-    void start(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) override;
     void step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) override;
+
+  protected:
+    [[nodiscard]] bool drag_is_a_force() const override { return true; }
 
   private:
     Array3N predicted_;

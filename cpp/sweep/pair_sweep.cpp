@@ -30,14 +30,6 @@ constexpr std::int64_t beads_per_thread = 500;
 constexpr std::uint32_t uniform_salt = 1000;
 constexpr std::uint32_t across_salt = 2000;
 
-std::uint8_t image_code(const std::array<std::int32_t, 3>& shift, int sign) {
-    std::int32_t code = 0;
-    for (const std::int32_t s : shift) {
-        code = code * 6 + ((sign * s) % 6 + 6) % 6;
-    }
-    return static_cast<std::uint8_t>(code);
-}
-
 }  // namespace
 
 PairSweep::PairSweep(const PairTable& table, const Exclusions& exclusions)
@@ -54,23 +46,7 @@ int PairSweep::useful_threads(const Particles& particles) const {
 void PairSweep::sort(const Box& box, const Particles& particles, const SweepSettings& settings,
                      [[maybe_unused]] int threads) {
     cells_.build(box, particles.position, range_);
-    const std::array<std::int32_t, 3> most = cells_.most_shifts();
-    stride_ = {1, 2 * most[0] + 1, std::int64_t{2 * most[0] + 1} * (2 * most[1] + 1)};
-    zero_ = static_cast<std::size_t>(most[0] + most[1] * stride_[1] + most[2] * stride_[2]);
-    shifts_.clear();
-    codes_.clear();
-    for (std::int32_t c = -most[2]; c <= most[2]; ++c) {
-        for (std::int32_t b = -most[1]; b <= most[1]; ++b) {
-            for (std::int32_t a = -most[0]; a <= most[0]; ++a) {
-                const Vector3 shift =
-                    (box.cell().row(0) * a + box.cell().row(1) * b + box.cell().row(2) * c).transpose();
-                shifts_.push_back({shift[0], shift[1], shift[2], 0.0});
-                if (cells_.has_several_images()) {
-                    codes_.push_back({image_code({a, b, c}, 1), image_code({a, b, c}, -1)});
-                }
-            }
-        }
-    }
+    lattice_.number(box, cells_.most_shifts(), cells_.has_several_images());
     const std::vector<std::uint32_t>& order = cells_.order();
     const std::size_t beads = order.size();
     for (auto* array : {&x_, &y_, &z_}) {
@@ -104,7 +80,7 @@ void PairSweep::find_pairs(std::int32_t row, Row& result) const {
     result.dy.clear();
     result.dz.clear();
     result.squared.clear();
-    const SearchArguments arguments{x_.data(), y_.data(), z_.data(), shifts_.data(), range_ * range_};
+    const SearchArguments arguments{x_.data(), y_.data(), z_.data(), lattice_.vectors.data(), range_ * range_};
     const std::vector<std::uint32_t>& order = cells_.order();
     const std::int32_t length = cells_.row_length();
     const bool any_excluded = !exclusions_.empty();
@@ -114,7 +90,7 @@ void PairSweep::find_pairs(std::int32_t row, Row& result) const {
             continue;
         }
         result.ranges.clear();
-        result.ranges.push_back({cells_.start(cell), end, static_cast<std::uint32_t>(zero_)});
+        result.ranges.push_back({cells_.start(cell), end, static_cast<std::uint32_t>(lattice_.zero)});
         cells_.neighbours(cell, result.neighbours);
         std::size_t candidates = batch_lanes + (end - cells_.start(cell));
         for (const CellImage& other : result.neighbours) {
@@ -122,8 +98,8 @@ void PairSweep::find_pairs(std::int32_t row, Row& result) const {
             const std::uint32_t stop = cells_.start(other.cell + 1);
             if (begin < stop) {
                 const auto image =
-                    static_cast<std::uint32_t>(static_cast<std::int64_t>(zero_) + other.shift[0] +
-                                               other.shift[1] * stride_[1] + other.shift[2] * stride_[2]);
+                    static_cast<std::uint32_t>(lattice_.zero + other.shift[0] + other.shift[1] * lattice_.stride[1] +
+                                               other.shift[2] * lattice_.stride[2]);
                 result.ranges.push_back({begin, stop, image});
                 candidates += stop - begin;
             }
@@ -144,7 +120,7 @@ void PairSweep::find_pairs(std::int32_t row, Row& result) const {
                 }
                 const std::uint32_t term = table_.term(species_[i], species_[j]);
                 const PairDrag& drag = table_.drags()[term];
-                const ShiftRecord& shift = shifts_[entry->image];
+                const ShiftRecord& shift = lattice_.vectors[entry->image];
                 const double dx = (x_[i] - x_[j]) - shift.x;
                 const double dy = (y_[i] - y_[j]) - shift.y;
                 const double dz = (z_[i] - z_[j]) - shift.z;
@@ -155,8 +131,9 @@ void PairSweep::find_pairs(std::int32_t row, Row& result) const {
                 }
                 result.i.push_back(i);
                 result.j.push_back(j);
-                result.image.push_back(codes_.empty() ? std::uint8_t{0}
-                                                      : codes_[entry->image][order[i] < order[j] ? 0 : 1]);
+                result.image.push_back(lattice_.codes.empty()
+                                           ? std::uint8_t{0}
+                                           : lattice_.codes[entry->image].code[order[i] < order[j] ? 0 : 1]);
                 result.term.push_back(term);
                 result.dx.push_back(dx);
                 result.dy.push_back(dy);

@@ -16,6 +16,7 @@
 #include "core/particles.hpp"
 #include "core/random.hpp"
 #include "forces/exclusions.hpp"
+#include "forces/lattice_shifts.hpp"
 #include "forces/pair_phases.hpp"
 #include "forces/pair_table.hpp"
 #include "sweep/pair_map.hpp"
@@ -92,10 +93,7 @@ class PairSweep {
     const Phases* phases_;
     double range_ = 0.0;  // the longest range of a drag
     LinkCells cells_;
-    std::array<std::int64_t, 3> stride_{};
-    std::vector<ShiftRecord> shifts_;
-    std::vector<std::array<std::uint8_t, 2>> codes_;  // of every shift and its opposite; empty: one image a pair
-    std::size_t zero_ = 0;
+    LatticeShifts lattice_;
     std::vector<double> x_, y_, z_;  // sorted
     std::vector<Velocity> velocity_;
     std::vector<std::uint32_t> word_;

@@ -56,13 +56,12 @@ class Seen:
 
 @dataclass(frozen=True)
 class Case:
-    """A case: ``run`` makes it and returns what it saw; ``fault`` says what is known to be wrong with the answer."""
+    """A case: ``run`` makes it and returns what it saw."""
 
     topic: str
     name: str
     run: Callable[[], Seen]
     slow: bool = False
-    fault: str = ""
 
 
 class Cases(list[Case]):
@@ -72,9 +71,9 @@ class Cases(list[Case]):
         super().__init__()
         self.topic = topic
 
-    def add(self, name: str, run: Callable[[], Seen], *, slow: bool = False, fault: str = "") -> None:
+    def add(self, name: str, run: Callable[[], Seen], *, slow: bool = False) -> None:
         """Add a case."""
-        self.append(Case(self.topic, name, run, slow, fault))
+        self.append(Case(self.topic, name, run, slow))
 
 
 def plan(simulation: Simulation) -> str:

@@ -9,8 +9,6 @@ from .cases import CASES, Case
 
 def parameters(case: Case) -> object:
     marks = [pytest.mark.slow, pytest.mark.long] if case.slow else []
-    if case.fault:
-        marks.append(pytest.mark.xfail(reason=case.fault, strict=True))
     return pytest.param(case, id=f"{case.topic}: {case.name}", marks=marks)
 
 
