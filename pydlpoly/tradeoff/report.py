@@ -13,7 +13,7 @@ from pydlpoly.bench.results import Machine, Spread, significant
 from pydlpoly.errors import InputError
 from pydlpoly.formats.control import write_control
 from pydlpoly.formats.records import Control, Setting, SettingValue
-from pydlpoly.tradeoff.candidates import full_name
+from pydlpoly.tradeoff.candidates import Candidate
 from pydlpoly.tradeoff.statistics import REACH, Deviation, Verdict
 
 FORMAT = 1
@@ -33,13 +33,10 @@ QUANTITIES = {
 
 
 @dataclass(frozen=True)
-class Measured:
-    """What was found for one candidate.
+class Measured(Candidate):
+    """A candidate and what was found for it.
 
     Attributes:
-        integrator, timestep, precision, prediction, half, interval, path: see ``Candidate``; the timestep in ps, or
-            reduced.
-        own: whether these are the scene's settings.
         status: "measured", "unstable" or "not run".
         why: what happened when it is not "measured", or why it got no more time.
         speed: simulated time (ps, or reduced) a second of wall time, None unless measured.
@@ -51,13 +48,7 @@ class Measured:
         given_up: whether it got no more time, because it could not win any more.
     """
 
-    integrator: str
-    timestep: float
-    precision: str
-    prediction: float | None
-    path: str
-    own: bool
-    status: Status
+    status: Status = "not run"
     why: str = ""
     speed: Spread | None = None
     time: float = 0.0
@@ -68,18 +59,6 @@ class Measured:
     verdict: Verdict = "cannot tell"
     front: bool = False
     given_up: bool = False
-    half: bool = False
-    interval: int = 1
-
-    @property
-    def name(self) -> str:
-        """Integrator and what it was tried with."""
-        return full_name(self.integrator, self.prediction, self.half, self.interval)
-
-    @property
-    def label(self) -> str:
-        """Everything that tells it from the others."""
-        return f"{self.name}, {self.timestep:g}, {self.precision}"
 
 
 @dataclass(frozen=True)
