@@ -49,6 +49,7 @@ def molecule_scene(
     units: str = "dpd",
     frozen: Sequence[int] = (),
     velocities: ArrayLike | None = None,
+    files: Mapping[str, str] | None = None,
 ) -> Scene:
     """Return the scene of ``copies`` molecules, by default in reduced units, nve, without pair laws.
 
@@ -59,6 +60,7 @@ def molecule_scene(
         copies, pairs, cell, imcon, control, units: as in ``make_scene``.
         frozen: beads of a molecule, counted from 0, that never move.
         velocities: (N, 3); given ones are kept as they are.
+        files: further files by name, for tables.
     """
     vdw = [f"vdw {len(pairs)}", *pairs] if pairs else []
     text = "\n".join(
@@ -78,7 +80,8 @@ def molecule_scene(
     lines = [f"{keyword} {value}" for keyword, value in settings.items() if value is not None]
     with TemporaryDirectory() as folder:
         (Path(folder) / "CONTROL").write_text("\n".join([*lines, ""]))
-        (Path(folder) / "FIELD").write_text(text)
+        for name, content in {"FIELD": text, **(files or {})}.items():
+            (Path(folder) / name).write_text(content)
         return load(folder, config=configuration)
 
 

@@ -16,7 +16,7 @@ from pydlpoly.formats.records import BondedLine, BondedTable, Field, FloatArray,
 from pydlpoly.scene.bonded_laws import KINDS, BondedEntry, read_bonded, refusal
 from pydlpoly.scene.cell import widths
 from pydlpoly.scene.model import Beads, Bonded, BondedKind, BondedTerm
-from pydlpoly.scene.settings import Notes, place
+from pydlpoly.scene.settings import Notes, place, places
 
 # Which beads of a term the vectors lead between that the core works with.
 _VECTORS: dict[BondedKind, tuple[tuple[int, int], ...]] = {
@@ -133,7 +133,7 @@ class _MoleculeTerms:
                 groups.setdefault((entry.law.key, entry.restraint, entry.parameters, species), []).append(line)
             for (key, restraint, parameters, species), members in groups.items():
                 local = np.array([line.beads for line in members], dtype=np.int64) - 1
-                where = _places([line.line for line in members], self._field)
+                where = places(self._field.path, [line.line for line in members])
                 term = BondedTerm(kind, key, parameters, _copies(local, offsets), restraint, self._number, where)
                 yield self._with_table(term, species, members[0]) if species else term
 
@@ -235,17 +235,6 @@ def _note_slopes(table: BondedTable, notes: Notes) -> None:
 def _copies(local: NDArray[np.int64], offsets: NDArray[np.int64]) -> NDArray[np.int32]:
     """Repeat rows of local bead numbers for every copy of the molecule."""
     return (offsets[:, None, None] + local[None, :, :]).reshape(-1, local.shape[1]).astype(np.int32)
-
-
-def _places(lines: list[int], field: Field) -> str:
-    """Return ``FIELD:12-16, FIELD:19`` for line numbers, runs of them in short."""
-    runs: list[list[int]] = []
-    for line in sorted(lines):
-        if runs and line == runs[-1][1] + 1:
-            runs[-1][1] = line
-        else:
-            runs.append([line, line])
-    return ", ".join(place(field.path, a) + (f"-{b}" if b > a else "") for a, b in runs)
 
 
 def _check_lengths(

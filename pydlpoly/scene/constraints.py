@@ -12,7 +12,7 @@ from pydlpoly.scene.beads import Layout
 from pydlpoly.scene.cell import widths
 from pydlpoly.scene.integrators import WITH_CONSTRAINTS
 from pydlpoly.scene.model import Constraints, Dynamics
-from pydlpoly.scene.settings import Notes, Settings, place
+from pydlpoly.scene.settings import Notes, Settings, place, places
 
 _INDEPENDENT = 1e-6  # least singular value of the constraints' directions, relative to the largest
 _LARGEST_CHECKED = 2000  # constraints of a molecule
@@ -70,7 +70,7 @@ def resolve_constraints(
         raise settings.refusal("shake_tolerance", f"the tolerance of constraints must be above 0, not {tolerance:g}")
     if most < 1:
         raise settings.refusal("shake_max_iter", f"constraints need at least one iteration, not {most}")
-    where = ", ".join(place(field.path, line.line) for _, kept, *_ in found for line in (kept[:1] + kept[-1:])[:2])
+    where = places(field.path, [line.line for _, kept, *_ in found for line in kept])
     return Constraints(beads, lengths, tolerance, most, where)
 
 

@@ -286,7 +286,7 @@ def _constraints(scene: Scene) -> list[str]:
         return []
     word, fixed = _Words(scene), scene.constraints
     lines = [
-        f"constraints: {scene.constraint_count} fixed distances of {_spread(fixed.lengths)}{word.length} "
+        f"constraints: {scene.constraint_count} fixed at {_spread(fixed.lengths)}{word.length} "
         f"({fixed.explanation}), by SHAKE and RATTLE",
         f"constraints are met to {fixed.tolerance:g}{word.length} in at most {fixed.most_iterations} iterations",
     ]
