@@ -27,10 +27,16 @@ _CONTROL = {
 Blocks = Mapping[str, Sequence[str]]
 
 
-def molecule_text(names: Sequence[str], blocks: Blocks, copies: int = 1, frozen: Sequence[int] = ()) -> str:
-    """One molecule type of FIELD: beads of mass 1 by name, and the lines of its blocks."""
+def molecule_text(
+    names: Sequence[str],
+    blocks: Blocks,
+    copies: int = 1,
+    frozen: Sequence[int] = (),
+    masses: Mapping[str, float] | None = None,
+) -> str:
+    """One molecule type of FIELD: beads by name, of mass 1 unless given, and the lines of its blocks."""
     lines = ["chain", f"nummols {copies}", f"atoms {len(names)}"]
-    lines += [f"{name} 1.0 0.0 1 {int(k in frozen)}" for k, name in enumerate(names)]
+    lines += [f"{name} {(masses or {}).get(name, 1.0)!r} 0.0 1 {int(k in frozen)}" for k, name in enumerate(names)]
     for directive, rows in blocks.items():
         lines += [f"{directive} {len(rows)}", *rows]
     return "\n".join([*lines, "finish"])
@@ -50,6 +56,8 @@ def molecule_scene(
     frozen: Sequence[int] = (),
     velocities: ArrayLike | None = None,
     files: Mapping[str, str] | None = None,
+    masses: Mapping[str, float] | None = None,
+    extern: str = "",
 ) -> Scene:
     """Return the scene of ``copies`` molecules, by default in reduced units, nve, without pair laws.
 
@@ -61,11 +69,13 @@ def molecule_scene(
         frozen: beads of a molecule, counted from 0, that never move.
         velocities: (N, 3); given ones are kept as they are.
         files: further files by name, for tables.
+        masses: by species, 1 unless given.
+        extern: line of an external field.
     """
     vdw = [f"vdw {len(pairs)}", *pairs] if pairs else []
-    text = "\n".join(
-        ["test field", f"units {units}", "molecules 1", molecule_text(names, blocks, copies, frozen), *vdw, "close", ""]
-    )
+    field = ["extern", extern] if extern else []
+    molecule = molecule_text(names, blocks, copies, frozen, masses)
+    text = "\n".join(["test field", f"units {units}", "molecules 1", molecule, *vdw, *field, "close", ""])
     places: FloatArray = np.asarray(positions, dtype=np.float64)
     configuration = Configuration(
         names=tuple(names) * copies,

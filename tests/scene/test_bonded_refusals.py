@@ -167,13 +167,13 @@ def test_constraints_as_long_as_half_the_cell(make: Any) -> None:
     [
         (
             {"ensemble_dpd_order": "second"},
-            "CONTROL:4: 'ensemble_dpd_order': constraints are not modelled with second; they are with nve, mdvv, dpdvv, "
-            "langevin, berendsen, hoover",
+            "CONTROL:4: 'ensemble_dpd_order': constraints are not modelled with second; they are with nve, mdvv, "
+            "dpdvv, langevin, berendsen, hoover",
         ),
         (
             {"ensemble": "npt", "ensemble_barostat_friction": "1 dpd_t^-1"},
-            "CONTROL:2: 'ensemble': constraints are not modelled in a cell that follows the pressure; take ensemble nve "
-            "or nvt",
+            "CONTROL:2: 'ensemble': constraints are not modelled in a cell that follows the pressure; take ensemble "
+            "nve or nvt",
         ),
         (
             {"diagnostics_frequency": "10 steps"},
