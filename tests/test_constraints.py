@@ -220,6 +220,19 @@ def test_virial_of_constraints() -> None:
     assert statistics_record(simulation).virial == pytest.approx(seen.pair_virial + seen.constraint_virial)
 
 
+@pytest.mark.parametrize("integrator", ["nve", "hoover", "berendsen"])
+def test_pressure_of_free_molecules(integrator: str) -> None:
+    """Whatever holds their beads together, P V = ⅔ of the kinetic energy of the centres of mass, at every instant."""
+    simulation = Simulation(waters(30, {**INTEGRATORS[integrator], "cutoff": "1.0 ang"}, pairs=()), seed=3, threads=1)
+    mass = simulation.scene.beads.mass[:3, None]
+    for _ in range(3):
+        seen = simulation.observe()
+        centres = (mass * simulation.state.velocities.reshape(-1, 3, 3)).sum(axis=1) / mass.sum()
+        assert seen.pressure == pytest.approx(mass.sum() * (centres**2).sum() / (3.0 * seen.volume), rel=1e-9)
+        assert seen.stress_parts["kinetic"].trace() / 3.0 > 1.3 * seen.pressure
+        simulation.run(50)
+
+
 def test_constraints_are_left_out_of_pair_forces_and_of_the_fast_path() -> None:
     scene = waters(10, DPD)
     assert scene.bonded is not None
