@@ -11,6 +11,7 @@
 
 #include "bonded/geometry.hpp"
 #include "core/failure.hpp"
+#include "core/random.hpp"
 
 namespace dlpoly {
 
@@ -69,6 +70,15 @@ Constraints::Constraints(std::vector<Constraint> constraints, const Particles& p
     for (std::size_t i = 0; i < beads; ++i) {
         inverse_mass_[i] = particles.inverse_mass(static_cast<Eigen::Index>(i));
     }
+    for (const Constraint& c : constraints_) {
+        for (const std::uint32_t bead : {c.i, c.j}) {
+            if (particles.frozen[bead] == 0) {
+                beads_.push_back(bead);
+            }
+        }
+    }
+    std::sort(beads_.begin(), beads_.end());
+    beads_.erase(std::unique(beads_.begin(), beads_.end()), beads_.end());
 }
 
 void Constraints::find_arms(const Box& box, const Particles& particles, std::vector<Vector3>& arms) const {
@@ -171,6 +181,41 @@ void Constraints::after_kick(const Box& box, Particles& particles, double timest
     find_arms(box, particles, arms_);
     solve_all([&](Range cluster) { return keep_directions(cluster, particles.velocity, timestep); }, particles.velocity,
               0.0, "velocities (RATTLE) are not found", step);
+}
+
+void Constraints::release(const Box& box, Particles& particles, const MaxwellDraw& draw_from, std::uint32_t part,
+                          double timestep) {
+    if (!(draw_from.thermal_energy > 0.0)) {
+        return;
+    }
+    drawn_.resize(particles.count(), 3);  // rows of other beads are not looked at
+    const auto count = static_cast<std::int64_t>(beads_.size());
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static)
+#endif
+    for (std::int64_t n = 0; n < count; ++n) {
+        const std::uint32_t bead = beads_[static_cast<std::size_t>(n)];
+        const auto number = [&](std::uint32_t k) {
+            return draw(draw_from.seed, Stream::constraints, draw_from.step, bead, 2 * part + k);
+        };
+        const auto xy = gaussian_pair(number(0));
+        const double width = std::sqrt(draw_from.thermal_energy * inverse_mass_[bead]);
+        drawn_.row(bead) = width * Vector3(xy[0], xy[1], gaussian(number(1))).transpose();
+    }
+    for (const Constraint& c : constraints_) {
+        for (const std::uint32_t bead : {c.i, c.j}) {
+            if (particles.frozen[bead] != 0) {
+                drawn_.row(bead).setZero();
+            }
+        }
+    }
+    kept_ = drawn_;
+    find_arms(box, particles, arms_);
+    solve_all([&](Range cluster) { return keep_directions(cluster, kept_, timestep); }, kept_, 0.0,
+              "velocities (RATTLE) are not found", draw_from.step);
+    for (const std::uint32_t bead : beads_) {
+        particles.velocity.row(bead) += drawn_.row(bead) - kept_.row(bead);
+    }
 }
 
 void Constraints::settle(const Box& box, Particles& particles, std::uint64_t step) {

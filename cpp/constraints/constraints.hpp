@@ -20,6 +20,12 @@ struct Constraint {
     double length;
 };
 
+// Where velocities are drawn from.
+struct MaxwellDraw {
+    double thermal_energy;  // k_B T
+    std::uint64_t seed, step;
+};
+
 class Constraints {
   public:
     // Takes constraints between beads of which at least one can move; those of two frozen beads are left out.
@@ -33,6 +39,11 @@ class Constraints {
 
     // Takes out of the velocities what would change a length by more than the tolerance in `timestep`.
     void after_kick(const Box& box, Particles& particles, double timestep, std::uint64_t step);
+
+    // Adds to velocities that change no length what is missing of the Maxwell distribution of free beads: a thermostat
+    // that keeps that one, pair by pair, and after_kick then keep the distribution that constraints leave. `part` tells
+    // the thermostat's parts in one step from each other.
+    void release(const Box& box, Particles& particles, const MaxwellDraw& draw, std::uint32_t part, double timestep);
 
     // Moves beads along the present directions to the right lengths. They are wrapped into the cell.
     void settle(const Box& box, Particles& particles, std::uint64_t step);
@@ -65,8 +76,11 @@ class Constraints {
     std::vector<Constraint> constraints_;  // cluster by cluster, in the given order within one
     std::vector<std::size_t> start_;       // cluster k has constraints start_[k] … start_[k + 1]
     std::vector<double> inverse_mass_;     // one a bead
+    std::vector<std::uint32_t> beads_;     // those that constraints hold and that can move
     double tolerance_;
     std::int64_t most_iterations_;
+    Array3N drawn_;
+    Array3N kept_;
     std::vector<Vector3> arms_;  // r_i − r_j of the move under way
 };
 

@@ -175,6 +175,18 @@ void constrain_velocities(State& state, Forces& forces, const StepSettings& sett
     }
 }
 
+void enter_thermostat(State& state, Forces& forces, const StepSettings& settings, std::uint32_t part) {
+    if (Constraints* constraints = forces.constraints()) {
+        constrain_velocities(state, forces, settings);
+        const MaxwellDraw maxwell{thermal_energy_now(state, settings), settings.seed, state.step};
+        constraints->release(state.box, state.particles, maxwell, part, settings.timestep);
+    }
+}
+
+void leave_thermostat(State& state, Forces& forces, const StepSettings& settings) {
+    constrain_velocities(state, forces, settings);
+}
+
 double thermal_energy_now(const State& state, const StepSettings& settings) {
     return std::max(0.0, settings.schedule.at(state.time, settings.thermal_energy));
 }

@@ -26,6 +26,11 @@ void drift_through(State& state, const StepSettings& settings);
 void constrain_drift(State& state, Forces& forces, double time);
 void constrain_velocities(State& state, Forces& forces, const StepSettings& settings);
 
+// Around what a thermostat does to the velocities of pairs: with constraints, velocities that change no length become
+// those of free beads, and go back. `part` counts the thermostat's parts in one step.
+void enter_thermostat(State& state, Forces& forces, const StepSettings& settings, std::uint32_t part = 0);
+void leave_thermostat(State& state, Forces& forces, const StepSettings& settings);
+
 // What a force evaluation of the present step is asked for; drag and noise as the settings have them.
 ForceRequest request_of(const State& state, const StepSettings& settings, bool observe);
 

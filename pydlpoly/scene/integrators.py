@@ -80,7 +80,11 @@ def is_pairwise(integrator: str) -> bool:
     return integrator in INTEGRATORS
 
 
-WITH_CONSTRAINTS = ("nve", "mdvv", "dpdvv", "langevin", "berendsen", "hoover")
+WITH_CONSTRAINTS = (
+    "nve",
+    *(name for name in INTEGRATORS if name not in ("scvv", "nose-hoover-langevin")),
+    *THERMOSTATS,
+)
 """Integrators that keep the lengths of constraints."""
 
 WITH_BAROSTAT = (
