@@ -12,6 +12,7 @@ from scipy.special import ellipk
 from pydlpoly import RunError, Scene, Simulation
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.reporters import OutputReporter, statistics_record
+from pydlpoly.scene.integrators import WITH_CONSTRAINTS
 
 from .molecule_builder import molecule_scene
 
@@ -27,6 +28,22 @@ INTEGRATORS: dict[str, dict[str, str]] = {
     "mdvv": DPD,
     "mdvv-lambda": {**DPD, "ensemble_dpd_lambda": "0.65"},
     "dpdvv": {**DPD, "ensemble_dpd_order": "dpdvv"},
+    **{
+        order: {**DPD, "ensemble_dpd_order": order}
+        for order in (
+            "zeroth",
+            "first",
+            "second",
+            "peters",
+            "peters-first",
+            "lowe-andersen",
+            "ou",
+            "ou-middle",
+            "middle",
+        )
+    },
+    "interval": {**DPD, "ensemble_dpd_order": "middle", "ensemble_dpd_interval": "3"},
+    "stoyanov-groot": {**DPD, "ensemble_dpd_order": "stoyanov-groot", "ensemble_dpd_coupling": "1.0 dpd_m/dpd_t"},
     "langevin": {"ensemble": "nvt", "ensemble_method": "langevin", "ensemble_thermostat_friction": "2.0 internal_t^-1"},
     "berendsen": {"ensemble": "nvt", "ensemble_method": "berendsen", "ensemble_thermostat_coupling": "1 internal_t"},
     "hoover": {"ensemble": "nvt", "ensemble_method": "hoover", "ensemble_thermostat_coupling": "1 internal_t"},
@@ -73,6 +90,10 @@ def stretching(simulation: Simulation) -> float:
     v = simulation.state.velocities
     along = np.einsum("ka,ka->k", arms(simulation.scene, simulation.state.positions), v[i] - v[j])
     return float(np.abs(along / constraints.lengths).max())
+
+
+def test_every_integrator_is_tried() -> None:
+    assert set(WITH_CONSTRAINTS) == set(INTEGRATORS) - {"mdvv-lambda", "interval"}
 
 
 def test_rotor() -> None:

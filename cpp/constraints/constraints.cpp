@@ -51,8 +51,8 @@ Constraints::Constraints(std::vector<Constraint> constraints, const Particles& p
         throw std::invalid_argument("constraints need a tolerance above 0 and at least one iteration");
     }
     for (const Constraint& c : constraints_) {
-        if (c.i >= beads || c.j >= beads || c.i == c.j || !(c.length > 0.0 && std::isfinite(c.length))) {
-            throw std::invalid_argument("a constraint needs two beads and a positive length");
+        if (c.i >= beads || c.j >= beads || c.i == c.j || !(c.length > tolerance && std::isfinite(c.length))) {
+            throw std::invalid_argument("a constraint needs two beads and a length above the tolerance");
         }
     }
     std::erase_if(constraints_,
@@ -103,7 +103,7 @@ bool Constraints::keep_lengths(Range cluster, Array3N& velocity, double time) co
             const auto [i, j, length] = constraints_[k];
             const Vector3 arm = arms_[k] + time * (velocity.row(i) - velocity.row(j)).transpose();
             const double missing = length * length - arm.squaredNorm();
-            if (std::abs(missing) <= 2.0 * length * tolerance_) {
+            if (std::abs(missing) <= (2.0 * length - tolerance_) * tolerance_) {
                 continue;
             }
             kept = false;

@@ -66,8 +66,9 @@ def resolve_constraints(
     for array in (beads, lengths):
         array.setflags(write=False)  # a scene is immutable
     tolerance, most = settings.number("shake_tolerance"), settings.integer("shake_max_iter")
-    if not tolerance > 0.0:
-        raise settings.refusal("shake_tolerance", f"the tolerance of constraints must be above 0, not {tolerance:g}")
+    if not 0.0 < tolerance < float(lengths.min()):
+        expected = f"above 0 and below all lengths, the shortest of which is {lengths.min():g}"
+        raise settings.refusal("shake_tolerance", f"the tolerance of constraints must be {expected}, not {tolerance:g}")
     if most < 1:
         raise settings.refusal("shake_max_iter", f"constraints need at least one iteration, not {most}")
     where = places(field.path, [line.line for _, kept, *_ in found for line in kept])

@@ -38,7 +38,7 @@ def error(series: FloatArray) -> float:
 @pytest.mark.parametrize(
     ("integrator", "timestep", "tolerated"),
     # Expected errors are 0.002 to 0.004; the drag of half-step velocities makes mdvv too hot to first order in Δt.
-    [("mdvv", 0.005, 0.02), ("dpdvv", 0.01, 0.01), ("langevin", 0.02, 0.005)],
+    [("mdvv", 0.005, 0.02), ("dpdvv", 0.01, 0.01), ("langevin", 0.02, 0.005), ("middle", 0.02, 0.005)],
 )
 def test_equipartition(integrator: str, timestep: float, tolerated: float) -> None:
     control = {**INTEGRATORS[integrator], "timestep": f"{timestep} internal_t", "shake_tolerance": "1e-8 ang"}
@@ -61,3 +61,18 @@ def test_pressure_of_molecules_that_do_not_meet() -> None:
     spread = error(series[:, 3])
     assert spread < 0.01
     assert abs(series[:, 3].mean() - COPIES / CELL**3) < 0.003 + 4.0 * spread
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("integrator", ["second", "peters", "ou-middle"])
+def test_splittings_with_a_strong_drag_are_exact(integrator: str) -> None:
+    """γΔt = 2: the temperature would be 7 % too low if pairs were thermalised without their forbidden velocities."""
+    control = {**INTEGRATORS[integrator], "timestep": "0.02 internal_t", "shake_tolerance": "1e-8 ang"}
+    pairs = [f"{pair} dpd 0.0 1.0 100.0" for pair in ("O O", "O H", "H H")]
+    simulation = Simulation(waters(COPIES, control, pairs=pairs), seed=11, threads=1)
+    simulation.run(200)
+    series = samples(simulation, 750, 2)
+    for column in range(3):
+        spread = error(series[:, column])
+        assert spread < 0.007
+        assert abs(series[:, column].mean() - 1.0) < 0.003 + 4.0 * spread

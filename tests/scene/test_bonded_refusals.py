@@ -166,9 +166,10 @@ def test_constraints_as_long_as_half_the_cell(make: Any) -> None:
     ("control", "message"),
     [
         (
-            {"ensemble_dpd_order": "second"},
-            "CONTROL:4: 'ensemble_dpd_order': constraints are not modelled with second; they are with nve, mdvv, "
-            "dpdvv, langevin, berendsen, hoover",
+            {"ensemble_dpd_order": "scvv"},
+            "CONTROL:4: 'ensemble_dpd_order': constraints are not modelled with scvv; they are with nve, mdvv, dpdvv, "
+            "zeroth, first, second, peters, peters-first, lowe-andersen, stoyanov-groot, ou, ou-middle, middle, "
+            "langevin, berendsen, hoover",
         ),
         (
             {"ensemble": "npt", "ensemble_barostat_friction": "1 dpd_t^-1"},
@@ -182,7 +183,13 @@ def test_constraints_as_long_as_half_the_cell(make: Any) -> None:
         ),
         (
             {"shake_tolerance": "0 ang"},
-            "CONTROL:10: 'shake_tolerance': the tolerance of constraints must be above 0, not 0",
+            "CONTROL:10: 'shake_tolerance': the tolerance of constraints must be above 0 and below all lengths, the "
+            "shortest of which is 0.5, not 0",
+        ),
+        (
+            {"shake_tolerance": "0.6 ang"},
+            "CONTROL:10: 'shake_tolerance': the tolerance of constraints must be above 0 and below all lengths, the "
+            "shortest of which is 0.5, not 0.6",
         ),
         ({"shake_max_iter": "0"}, "CONTROL:10: 'shake_max_iter': constraints need at least one iteration, not 0"),
     ],
