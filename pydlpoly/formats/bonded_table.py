@@ -133,7 +133,7 @@ def write_bonded_tables(tables: Sequence[BondedTable], title: str = "") -> str:
         raise InputError("the title must be one line", word=title)
     first = tables[0]
     spec, points = TABLE_KINDS[first.kind], len(first.energy) - 1
-    end = f"{first.spacing * points!r} " if spec.end is None else ""
+    end = f"{float(first.spacing * points)!r} " if spec.end is None else ""
     parts = [title, f"# {end}{points}"]
     for table in tables:
         words = " ".join(table.species)
