@@ -452,6 +452,10 @@ class System:
         """
         Computes and observes the forces of the present state.
         """
+    def meet_constraints(self) -> None:
+        """
+        Brings positions to the lengths of constraints, and takes out of velocities what would change them.
+        """
     def plan(self) -> str:
         """
         How steps are computed: the fast path, or the general one and why.
@@ -482,6 +486,18 @@ class System:
         """
         Link cells of at least this width instead of one range; never changes results.
         """
+    def set_constraints(
+        self,
+        beads: collections.abc.Sequence[
+            tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex]
+        ],
+        lengths: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        tolerance: typing.SupportsFloat | typing.SupportsIndex,
+        most_iterations: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None:
+        """
+        Takes pairs of beads whose distances stay fixed.
+        """
     def wrap(self) -> None:
         """
         Brings positions that were set back into the cell, counting the cells they cross.
@@ -507,6 +523,16 @@ class System:
     def cell_counts(self) -> typing.Annotated[list[int], "FixedSize(3)"]: ...
     @property
     def conservative_virial_tensor(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]: ...
+    @property
+    def constraint_deviation(self) -> float:
+        """
+        Largest difference between a constrained distance and its length.
+        """
+    @property
+    def constraint_virial_tensor(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]:
+        """
+        Σ F_a r_b of the forces that hold the lengths of constraints, at the present forces and velocities.
+        """
     @property
     def distance_samples(self) -> int: ...
     @property

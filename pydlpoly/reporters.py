@@ -34,6 +34,11 @@ from pydlpoly.temperatures import EnergyDrift, TemperatureSamples
 _TENSORS = ("kinetic", "conservative", "drag", "noise", "bonded")
 
 
+def _parts_of(scene: Scene) -> tuple[str, ...]:
+    """Return the parts of the stress that are averaged."""
+    return _TENSORS if scene.constraints is None else (*_TENSORS, "constraint")
+
+
 def every(step: int, interval: int, start: int = 0) -> int | None:
     """Return the first step after ``step`` of the form start + k·interval, or None when the interval is 0."""
     if interval <= 0:
@@ -91,6 +96,7 @@ def _statistics_record(simulation: Simulation, seen: Observation) -> StatisticsR
         short_range_virial=seen.pair_virial / units.factor,
         bond_virial=seen.bonded_virial["bond"] / units.factor,
         angle_virial=seen.bonded_virial["angle"] / units.factor,
+        constraint_virial=seen.constraint_virial / units.factor,
         tether_virial=seen.bonded_virial["tether"] / units.factor,
         volume=seen.volume,
         cell_alpha=alpha,
@@ -291,7 +297,7 @@ class OutputReporter:
         self._after = 0 if scene.run.record_equilibration else scene.run.equilibration_steps
         self._columns = len(STATISTICS_NAMES) + len(scene.species) + variable_cell_columns(scene)
         self._rolling = RollingAverages(output.stack_size, self._columns)
-        self._averages = RunningAverages(self._columns + 9 * len(_TENSORS))
+        self._averages = RunningAverages(self._columns + 9 * len(_parts_of(scene)))
         self._diagnostics_every = output.diagnostics_every
         self._temperatures = TemperatureSamples(scene)
         self._drift = EnergyDrift(scene)
@@ -355,7 +361,7 @@ class OutputReporter:
         scene = simulation.scene
         mean, spread = self._averages.mean(), self._averages.fluctuations()
         columns = self._columns
-        tensors = mean[columns:].reshape(len(_TENSORS), 3, 3)
+        tensors = mean[columns:].reshape(-1, 3, 3)
         elapsed = clock.perf_counter() - self._begin
         covered = self._span[1] - self._span[0]
         doubt = self._temperatures.doubt()
@@ -371,7 +377,7 @@ class OutputReporter:
             fluctuations=spread[:columns],
             pressure_parts={
                 name: tensor
-                for name, tensor in zip(_TENSORS, tensors, strict=True)
+                for name, tensor in zip(_parts_of(scene), tensors, strict=True)
                 if name != "bonded" or scene.bonded is not None
             },
             diffusion=_diffusion(simulation),
@@ -427,7 +433,9 @@ class OutputReporter:
                 self._span = max(self._after, simulation.step - self._sample_every), simulation.step
             self._span = self._span[0], simulation.step
             parts = simulation.observe().stress_parts
-            self._averages.add(np.concatenate([values, *(parts[name].reshape(9) for name in _TENSORS)]))
+            self._averages.add(
+                np.concatenate([values, *(parts[name].reshape(9) for name in _parts_of(simulation.scene))])
+            )
 
     def _print(self, simulation: Simulation) -> None:
         if self._writer is not None:

@@ -70,10 +70,12 @@ class Observation:
             "kinetic", "total" (potential and kinetic) and "thermostat" (what hoover's variable holds; its sum
             with total is conserved. With npt and nst what the piston holds, and P V of the target).
         stress: (3, 3) pressure tensor in the pressure unit, all parts.
-        stress_parts: the same by part: "kinetic", "conservative" (pairs), "drag", "noise", "bonded".
+        stress_parts: the same by part: "kinetic", "conservative" (pairs), "drag", "noise", "bonded", and
+            "constraint" where distances are fixed.
         virial: −Σ r·F of all forces; ``pair_virial``: of the conservative pair forces alone.
         momentum: (3,) total momentum in Da Å/ps.
         bonded_virial: −Σ r·F by component: "bond", "angle", "dihedral", "inversion", "tether".
+        constraint_virial: −Σ r·F of the forces that keep distances fixed.
     """
 
     step: int
@@ -88,11 +90,14 @@ class Observation:
     volume: float
     momentum: FloatArray
     bonded_virial: dict[str, float]
+    constraint_virial: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class SinglePoint:
     """Energy, forces and stress of a scene's configuration, pair laws, bonded terms and external fields only.
+
+    The forces that keep distances fixed are not among them: they depend on velocities.
 
     Attributes:
         energy: by component, internal units: "pair" (with the long-range correction and scaled 1-4 pairs), "bond",
@@ -305,7 +310,8 @@ class Simulation:
     def set_state(self, *, positions: FloatArray | None = None, velocities: FloatArray | None = None) -> None:
         """Replace positions and/or velocities, (N, 3) each, and recompute the forces.
 
-        Positions outside the cell are wrapped into it, and the crossed cells are counted in ``State.images``.
+        Positions outside the cell are wrapped into it, and the crossed cells are counted in ``State.images``. Beads are
+        moved to the lengths of constraints.
 
         Raises:
             ValueError: an array has another shape, is not finite or is too far away; the state is the one before.
@@ -327,6 +333,8 @@ class Simulation:
         if velocities is not None:
             system.velocities = np.where(self.scene.beads.frozen[:, None], 0.0, velocities)
         self._observation = self._stored_totals = self._configurational = None
+        if self.scene.constraints is not None:
+            self._engine.meet_constraints()
         self._engine.initialise()
 
     def observe(self) -> Observation:
@@ -488,6 +496,7 @@ class Simulation:
             bonded_energies=arrays["totals.bonded_energies"],
             bonded=arrays["totals.bonded"],
             thermostat_energy=float(arrays["totals.thermostat_energy"]),
+            constraint=arrays.get("totals.constraint", np.zeros((3, 3))),
         )
         system.forces = arrays["forces"]
         system.images = arrays["images"]
@@ -517,6 +526,8 @@ def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Obse
         "noise": totals.noise,
         "bonded": np.sum(totals.bonded, axis=0),
     }
+    if scene.constraints is not None:
+        parts["constraint"] = totals.constraint
     bonded = dict(zip(get_args(BondedKind), totals.bonded_energies.tolist(), strict=True))
     potential = totals.pair_energy + sum(bonded.values())
     factor = scene.units.pressure_factor / totals.volume
@@ -539,13 +550,14 @@ def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Obse
         pressure=float(np.trace(stress)) / 3.0,
         stress=stress,
         stress_parts=stress_parts,
-        virial=-float(np.trace(totals.conservative + totals.drag + totals.noise + parts["bonded"])),
+        virial=-float(np.trace(totals.conservative + totals.drag + totals.noise + parts["bonded"] + totals.constraint)),
         pair_virial=-float(np.trace(totals.conservative)),
         volume=totals.volume,
         momentum=totals.momentum,
         bonded_virial={
             kind: -float(np.trace(tensor)) for kind, tensor in zip(get_args(BondedKind), totals.bonded, strict=True)
         },
+        constraint_virial=-float(np.trace(totals.constraint)),
     )
 
 

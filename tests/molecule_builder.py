@@ -27,10 +27,16 @@ _CONTROL = {
 Blocks = Mapping[str, Sequence[str]]
 
 
-def molecule_text(names: Sequence[str], blocks: Blocks, copies: int = 1, frozen: Sequence[int] = ()) -> str:
-    """One molecule type of FIELD: beads of mass 1 by name, and the lines of its blocks."""
+def molecule_text(
+    names: Sequence[str],
+    blocks: Blocks,
+    copies: int = 1,
+    frozen: Sequence[int] = (),
+    masses: Mapping[str, float] | None = None,
+) -> str:
+    """One molecule type of FIELD: beads by name, of mass 1 unless given, and the lines of its blocks."""
     lines = ["chain", f"nummols {copies}", f"atoms {len(names)}"]
-    lines += [f"{name} 1.0 0.0 1 {int(k in frozen)}" for k, name in enumerate(names)]
+    lines += [f"{name} {(masses or {}).get(name, 1.0)!r} 0.0 1 {int(k in frozen)}" for k, name in enumerate(names)]
     for directive, rows in blocks.items():
         lines += [f"{directive} {len(rows)}", *rows]
     return "\n".join([*lines, "finish"])
@@ -49,6 +55,9 @@ def molecule_scene(
     units: str = "dpd",
     frozen: Sequence[int] = (),
     velocities: ArrayLike | None = None,
+    files: Mapping[str, str] | None = None,
+    masses: Mapping[str, float] | None = None,
+    extern: str = "",
 ) -> Scene:
     """Return the scene of ``copies`` molecules, by default in reduced units, nve, without pair laws.
 
@@ -59,11 +68,14 @@ def molecule_scene(
         copies, pairs, cell, imcon, control, units: as in ``make_scene``.
         frozen: beads of a molecule, counted from 0, that never move.
         velocities: (N, 3); given ones are kept as they are.
+        files: further files by name, for tables.
+        masses: by species, 1 unless given.
+        extern: line of an external field.
     """
     vdw = [f"vdw {len(pairs)}", *pairs] if pairs else []
-    text = "\n".join(
-        ["test field", f"units {units}", "molecules 1", molecule_text(names, blocks, copies, frozen), *vdw, "close", ""]
-    )
+    field = ["extern", extern] if extern else []
+    molecule = molecule_text(names, blocks, copies, frozen, masses)
+    text = "\n".join(["test field", f"units {units}", "molecules 1", molecule, *vdw, *field, "close", ""])
     places: FloatArray = np.asarray(positions, dtype=np.float64)
     configuration = Configuration(
         names=tuple(names) * copies,
@@ -78,7 +90,8 @@ def molecule_scene(
     lines = [f"{keyword} {value}" for keyword, value in settings.items() if value is not None]
     with TemporaryDirectory() as folder:
         (Path(folder) / "CONTROL").write_text("\n".join([*lines, ""]))
-        (Path(folder) / "FIELD").write_text(text)
+        for name, content in {"FIELD": text, **(files or {})}.items():
+            (Path(folder) / name).write_text(content)
         return load(folder, config=configuration)
 
 

@@ -46,6 +46,7 @@ py::dict describe(const LawInfo& info) {
     entry["energy_mask"] = info.energy_mask;
     entry["degree_mask"] = info.degree_mask;
     entry["optional"] = info.optional;
+    entry["table"] = info.table;
     return entry;
 }
 

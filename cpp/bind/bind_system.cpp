@@ -237,6 +237,21 @@ void bind_system(py::module_& m) {
             },
             py::arg("terms"), py::arg("excluded"),
             "Takes the bonded terms, which are then empty, and the pairs of beads that have no pair forces.")
+        .def(
+            "set_constraints",
+            [](System& s, const std::vector<std::pair<std::uint32_t, std::uint32_t>>& beads,
+               const std::vector<double>& lengths, double tolerance, std::int64_t most_iterations) {
+                require(beads.size() == lengths.size(), "every constraint needs two beads and a length");
+                std::vector<Constraint> constraints;
+                for (std::size_t k = 0; k < beads.size(); ++k) {
+                    constraints.push_back({beads[k].first, beads[k].second, lengths[k]});
+                }
+                s.set_constraints(std::move(constraints), tolerance, most_iterations);
+            },
+            py::arg("beads"), py::arg("lengths"), py::arg("tolerance"), py::arg("most_iterations"),
+            "Takes pairs of beads whose distances stay fixed.")
+        .def("meet_constraints", &System::meet_constraints, py::call_guard<py::gil_scoped_release>(),
+             "Brings positions to the lengths of constraints, and takes out of velocities what would change them.")
         .def("initialise", &System::initialise, py::call_guard<py::gil_scoped_release>(),
              "Computes and observes the forces of the present state.")
         .def("plan", &System::plan, "How steps are computed: the fast path, or the general one and why.")
@@ -245,7 +260,7 @@ void bind_system(py::module_& m) {
         .def(
             "draw_velocities",
             [](System& s, bool zero_momentum) {
-                draw_velocities(s.state, s.settings, Stream::start_velocities, zero_momentum);
+                draw_velocities(s.state, s.settings, Stream::start_velocities, zero_momentum, s.forces.constraints());
                 s.ready = false;
             },
             py::arg("zero_momentum"))
@@ -338,6 +353,20 @@ void bind_system(py::module_& m) {
                 return std::vector<Matrix3>(virial.begin(), virial.begin() + bonded::kinds);
             },
             "Σ F_a r_b of bonds, angles, dihedrals, inversions and tethers.")
+        .def_property_readonly(
+            "constraint_virial_tensor",
+            [](const System& s) -> Matrix3 {
+                const Constraints* constraints = s.forces.constraints();
+                return constraints == nullptr ? Matrix3::Zero() : constraints->virial(s.state.box, s.state.particles);
+            },
+            "Σ F_a r_b of the forces that hold the lengths of constraints, at the present forces and velocities.")
+        .def_property_readonly(
+            "constraint_deviation",
+            [](const System& s) {
+                const Constraints* constraints = s.forces.constraints();
+                return constraints == nullptr ? 0.0 : constraints->deviation(s.state.box, s.state.particles);
+            },
+            "Largest difference between a constrained distance and its length.")
         .def_property_readonly(
             "kinetic_tensor",
             [](const System& s) { return s.totals.kinetic ? *s.totals.kinetic : kinetic_tensor(s.state.particles); })

@@ -43,6 +43,7 @@ struct LawInfo {
     unsigned optional = 0;        // so many of the last parameters may be left out; they are then 0
     std::string_view limit = "";  // what it means when U is not finite
     bool height = false;          // inversions: the coordinate is the distance of the centre from the plane
+    bool table = false;           // its numbers are a table: a start, a spacing, energies, slopes
 };
 
 // A law is a small value type:

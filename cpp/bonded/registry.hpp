@@ -41,6 +41,7 @@
 #include "bonded/inversion_harmonic_cosine.hpp"
 #include "bonded/inversion_planar.hpp"
 #include "bonded/law.hpp"
+#include "bonded/tabulated.hpp"
 #include "bonded/tether_harmonic.hpp"
 #include "bonded/tether_quartic.hpp"
 #include "bonded/tether_restrained.hpp"
@@ -50,14 +51,14 @@ namespace dlpoly::bonded {
 template <class... Types>
 struct TypeList {};
 
-using Laws =
-    TypeList<HarmonicBond, MorseBond, TwelveSixBond, LennardJonesBond, RestrainedBond, QuarticBond, BuckinghamBond,
-             FeneBond, Mm3Bond, HarmonicAngle, QuarticAngle, TruncatedAngle, ScreenedAngle, FirstVessalAngle,
-             SecondVessalAngle, HarmonicCosineAngle, CosineAngle, StretchBendMm3Angle, StretchStretchAngle,
-             StretchBendAngle, CompassAngle, Mm3Angle, KumagaiAngle, CosineDihedral, HarmonicDihedral,
-             HarmonicCosineDihedral, TripleCosineDihedral, RyckaertBellemansDihedral, FluorinatedRyckaertDihedral,
-             OplsDihedral, HarmonicInversion, HarmonicCosineInversion, PlanarInversion, ExtendedPlanarInversion,
-             CalciteInversion, HarmonicTether, RestrainedTether, QuarticTether>;
+using Laws = TypeList<HarmonicBond, MorseBond, TwelveSixBond, LennardJonesBond, RestrainedBond, QuarticBond,
+                      BuckinghamBond, FeneBond, Mm3Bond, HarmonicAngle, QuarticAngle, TruncatedAngle, ScreenedAngle,
+                      FirstVessalAngle, SecondVessalAngle, HarmonicCosineAngle, CosineAngle, StretchBendMm3Angle,
+                      StretchStretchAngle, StretchBendAngle, CompassAngle, Mm3Angle, KumagaiAngle, CosineDihedral,
+                      HarmonicDihedral, HarmonicCosineDihedral, TripleCosineDihedral, RyckaertBellemansDihedral,
+                      FluorinatedRyckaertDihedral, OplsDihedral, HarmonicInversion, HarmonicCosineInversion,
+                      PlanarInversion, ExtendedPlanarInversion, CalciteInversion, HarmonicTether, RestrainedTether,
+                      QuarticTether, TabulatedBond, TabulatedAngle, TabulatedDihedral, TabulatedInversion>;
 
 // Calls f.template operator()<Law>() for every law, in the order of the list.
 template <class Function>

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bonded/bonded_forces.hpp"
+#include "constraints/constraints.hpp"
 #include "external/external_field.hpp"
 #include "forces/pair_forces.hpp"
 
@@ -25,6 +26,9 @@ class Forces {
         pairs_.set_exclusions(std::move(exclusions));
     }
 
+    // Forces of constraints are not among those that compute() writes: integrators meet them.
+    void set_constraints(Constraints constraints) { constraints_ = std::move(constraints); }
+
     // Writes the total force on every bead; drag uses `velocity`. Totals are filled when the request observes.
     void compute(const Box& box, Particles& particles, const Array3N& velocity, const ForceRequest& request,
                  PairTotals& totals) {
@@ -32,7 +36,7 @@ class Forces {
         if (!request.conservative) {
             return;
         }
-        if (bonded_) {
+        if (bonded_ && !bonded_->empty()) {
             bonded_->add_to(box, particles, pairs_.table(), request.step, request.observe ? &bonded_totals_ : nullptr);
             if (request.observe) {
                 totals.energy += bonded_totals_.energy[bonded::scaled_pairs];
@@ -54,6 +58,9 @@ class Forces {
     [[nodiscard]] bool has_exclusions() const noexcept { return pairs_.has_exclusions(); }
     // nullptr: there are none.
     [[nodiscard]] BondedForces* bonded() noexcept { return bonded_ ? &*bonded_ : nullptr; }
+    // nullptr: there are none.
+    [[nodiscard]] Constraints* constraints() noexcept { return constraints_ ? &*constraints_ : nullptr; }
+    [[nodiscard]] const Constraints* constraints() const noexcept { return constraints_ ? &*constraints_ : nullptr; }
     // Of the last observed step.
     [[nodiscard]] BondedTotals& bonded_totals() noexcept { return bonded_totals_; }
     [[nodiscard]] const BondedTotals& bonded_totals() const noexcept { return bonded_totals_; }
@@ -62,6 +69,7 @@ class Forces {
   private:
     PairForces pairs_;
     std::optional<BondedForces> bonded_;
+    std::optional<Constraints> constraints_;
     BondedTotals bonded_totals_;
     std::vector<std::unique_ptr<ExternalField>> fields_;
 };

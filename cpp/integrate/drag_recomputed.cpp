@@ -9,6 +9,7 @@ void DragRecomputed::step(State& state, Forces& forces, const StepSettings& sett
                           PairTotals& totals) {
     Particles& particles = state.particles;
     kick(particles, 0.5 * settings.timestep);
+    constrain_drift(state, forces, settings.timestep);
     drift(state, settings, settings.timestep);
     advance_clock(state, settings);
     ForceRequest request = request_of(state, settings, observe);
@@ -21,11 +22,12 @@ void DragRecomputed::step(State& state, Forces& forces, const StepSettings& sett
     forces.compute(state.box, particles, particles.velocity, request, of_drag);
     particles.force += others_;
     kick(particles, 0.5 * settings.timestep);
+    constrain_velocities(state, forces, settings);
     request.observe = observe;
     forces.compute(state.box, particles, particles.velocity, request, of_drag);
     particles.force += others_;
     totals.drag = of_drag.drag;
-    finish_step(state, settings);
+    finish_step(state, settings, forces.constraints());
 }
 
 }  // namespace dlpoly

@@ -3,12 +3,14 @@
 
 #include <cmath>
 
+#include "constraints/constraints.hpp"
 #include "core/random.hpp"
 #include "observe/kinetic.hpp"
 
 namespace dlpoly {
 
-void draw_velocities(State& state, const StepSettings& settings, Stream stream, bool zero_momentum) {
+void draw_velocities(State& state, const StepSettings& settings, Stream stream, bool zero_momentum,
+                     Constraints* constraints) {
     Particles& particles = state.particles;
     for (Eigen::Index i = 0; i < particles.count(); ++i) {
         const double inverse_mass = particles.inverse_mass(i);
@@ -20,6 +22,9 @@ void draw_velocities(State& state, const StepSettings& settings, Stream stream, 
     }
     if (zero_momentum) {
         remove_drift(particles);
+    }
+    if (constraints != nullptr) {
+        constraints->after_kick(state.box, particles, settings.timestep, state.step);
     }
     rescale_velocities(particles, settings);
 }
@@ -57,12 +62,12 @@ void cap_forces(Particles& particles, double largest) {
     }
 }
 
-void equilibrate(State& state, const StepSettings& settings) {
+void equilibrate(State& state, const StepSettings& settings, Constraints* constraints) {
     if (state.step > settings.equilibration_steps) {
         return;
     }
     if (settings.regauss_every > 0 && state.step % settings.regauss_every == 0) {
-        draw_velocities(state, settings, Stream::regauss, true);
+        draw_velocities(state, settings, Stream::regauss, true, constraints);
     }
     if (settings.rescale_every > 0 && state.step % settings.rescale_every == 0) {
         rescale_velocities(state.particles, settings);

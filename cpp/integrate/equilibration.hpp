@@ -7,9 +7,13 @@
 
 namespace dlpoly {
 
+class Constraints;
+
 // Draws velocities of every mobile bead from the Maxwell distribution at settings.thermal_energy, takes out the drift
-// if asked, and scales them to exactly that temperature. A pure function of seed, stream, step and bead id.
-void draw_velocities(State& state, const StepSettings& settings, Stream stream, bool zero_momentum);
+// if asked and what constraints forbid, and scales them to exactly that temperature. A pure function of seed, stream,
+// step and bead id, and of the positions where there are constraints.
+void draw_velocities(State& state, const StepSettings& settings, Stream stream, bool zero_momentum,
+                     Constraints* constraints = nullptr);
 
 // Scales all velocities so that the kinetic energy is ½ · degrees of freedom · k_B T. Does nothing at rest.
 void rescale_velocities(Particles& particles, const StepSettings& settings);
@@ -19,6 +23,6 @@ void rescale_velocities(Particles& particles, const StepSettings& settings);
 void cap_forces(Particles& particles, double largest);
 
 // Rescaling and redrawing when this step is due for them.
-void equilibrate(State& state, const StepSettings& settings);
+void equilibrate(State& state, const StepSettings& settings, Constraints* constraints = nullptr);
 
 }  // namespace dlpoly

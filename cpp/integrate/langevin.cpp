@@ -36,21 +36,25 @@ void Langevin::step(State& state, Forces& forces, const StepSettings& settings, 
     Particles& particles = state.particles;
     push_piston(state, forces, totals, settings, 0.5 * settings.timestep);
     kick(state, settings, 0.5 * settings.timestep);
+    constrain_drift(state, forces, 0.5 * settings.timestep);
     drift(state, settings, 0.5 * settings.timestep);
     advance_clock(state, settings);
     enter_middle(state, settings);
     thermalise(state, settings);
+    constrain_velocities(state, forces, settings);
     std::optional<Matrix3> kinetic;
     if (observe) {
         kinetic = kinetic_tensor(particles);
     }
     leave_middle(state, settings);
+    constrain_drift(state, forces, 0.5 * settings.timestep);
     drift(state, settings, 0.5 * settings.timestep);
     compute_forces(state, forces, settings, conservative_request(state, settings, observe), particles.velocity, totals);
     totals.kinetic = kinetic;
     kick(state, settings, 0.5 * settings.timestep);
+    constrain_velocities(state, forces, settings);
     push_piston(state, forces, totals, settings, 0.5 * settings.timestep);
-    finish_step(state, settings);
+    finish_step(state, settings, forces.constraints());
 }
 
 }  // namespace dlpoly

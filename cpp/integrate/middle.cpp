@@ -41,25 +41,30 @@ void Middle::step(State& state, Forces& forces, const StepSettings& settings, bo
     PairTotals of_motion;
     push_piston(state, forces, totals, settings, 0.5 * settings.timestep);
     kick(state, settings, 0.5 * settings.timestep);
+    constrain_drift(state, forces, 0.5 * settings.timestep);
     drift(state, settings, 0.5 * settings.timestep);
     advance_clock(state, settings);
     enter_middle(state, settings);
     if (settings.drag && state.step % static_cast<std::uint64_t>(settings.thermostat_every) == 0) {
+        enter_thermostat(state, forces, settings);
         thermalise(state, forces, settings, observe, of_motion);
     }
+    constrain_velocities(state, forces, settings);
     std::optional<Matrix3> kinetic;
     if (observe) {
         kinetic = kinetic_tensor(particles);
     }
     leave_middle(state, settings);
+    constrain_drift(state, forces, 0.5 * settings.timestep);
     drift(state, settings, 0.5 * settings.timestep);
     compute_forces(state, forces, settings, conservative_request(state, settings, observe), particles.velocity, totals);
     totals.drag = of_motion.drag;
     totals.noise = of_motion.noise;
     totals.kinetic = kinetic;
     kick(state, settings, 0.5 * settings.timestep);
+    constrain_velocities(state, forces, settings);
     push_piston(state, forces, totals, settings, 0.5 * settings.timestep);
-    finish_step(state, settings);
+    finish_step(state, settings, forces.constraints());
 }
 
 }  // namespace dlpoly

@@ -163,6 +163,30 @@ void drift_through(State& state, const StepSettings& settings) {
     drift(state, settings, 0.5 * settings.timestep);
 }
 
+void constrain_drift(State& state, Forces& forces, double time) {
+    if (Constraints* constraints = forces.constraints()) {
+        constraints->before_drift(state.box, state.particles, time, state.step + 1);
+    }
+}
+
+void constrain_velocities(State& state, Forces& forces, const StepSettings& settings) {
+    if (Constraints* constraints = forces.constraints()) {
+        constraints->after_kick(state.box, state.particles, settings.timestep, state.step);
+    }
+}
+
+void enter_thermostat(State& state, Forces& forces, const StepSettings& settings, std::uint32_t part) {
+    if (Constraints* constraints = forces.constraints()) {
+        constrain_velocities(state, forces, settings);
+        const MaxwellDraw maxwell{thermal_energy_now(state, settings), settings.seed, state.step};
+        constraints->release(state.box, state.particles, maxwell, part, settings.timestep);
+    }
+}
+
+void leave_thermostat(State& state, Forces& forces, const StepSettings& settings) {
+    constrain_velocities(state, forces, settings);
+}
+
 double thermal_energy_now(const State& state, const StepSettings& settings) {
     return std::max(0.0, settings.schedule.at(state.time, settings.thermal_energy));
 }
@@ -202,11 +226,14 @@ void advance_clock(State& state, const StepSettings& settings) {
     state.time += settings.timestep;
 }
 
-void finish_step(State& state, const StepSettings& settings) {
+void finish_step(State& state, const StepSettings& settings, Constraints* constraints) {
     if (settings.remove_drift) {
         remove_drift(state.particles);
+        if (constraints != nullptr) {  // beads that are held by a frozen one have lost their directions
+            constraints->after_kick(state.box, state.particles, settings.timestep, state.step);
+        }
     }
-    equilibrate(state, settings);
+    equilibrate(state, settings, constraints);
 }
 
 }  // namespace dlpoly

@@ -21,6 +21,16 @@ void drift(State& state, const StepSettings& settings, double time);
 // The whole drift of a step, with what a piston does in its middle.
 void drift_through(State& state, const StepSettings& settings);
 
+// Velocities that a drift by `time` takes to the right lengths, and velocities that change no length. Both do nothing
+// where the scene has no constraints.
+void constrain_drift(State& state, Forces& forces, double time);
+void constrain_velocities(State& state, Forces& forces, const StepSettings& settings);
+
+// Around what a thermostat does to the velocities of pairs: with constraints, velocities that change no length become
+// those of free beads, and go back. `part` counts the thermostat's parts in one step.
+void enter_thermostat(State& state, Forces& forces, const StepSettings& settings, std::uint32_t part = 0);
+void leave_thermostat(State& state, Forces& forces, const StepSettings& settings);
+
 // What a force evaluation of the present step is asked for; drag and noise as the settings have them.
 ForceRequest request_of(const State& state, const StepSettings& settings, bool observe);
 
@@ -35,7 +45,7 @@ void compute_forces(State& state, Forces& forces, const StepSettings& settings, 
 void advance_clock(State& state, const StepSettings& settings);
 
 // What is done to velocities once a step is complete: removal of drift, rescaling, redrawing.
-void finish_step(State& state, const StepSettings& settings);
+void finish_step(State& state, const StepSettings& settings, Constraints* constraints = nullptr);
 
 // k_B T at the present time.
 double thermal_energy_now(const State& state, const StepSettings& settings);

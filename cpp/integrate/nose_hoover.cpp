@@ -48,12 +48,14 @@ void NoseHoover::step(State& state, Forces& forces, const StepSettings& settings
     Particles& particles = state.particles;
     half_step(state, settings);
     kick(particles, 0.5 * settings.timestep);
+    constrain_drift(state, forces, settings.timestep);
     drift(state, settings, settings.timestep);
     advance_clock(state, settings);
     compute_forces(state, forces, settings, conservative_request(state, settings, observe), particles.velocity, totals);
     kick(particles, 0.5 * settings.timestep);
+    constrain_velocities(state, forces, settings);
     half_step(state, settings);
-    finish_step(state, settings);
+    finish_step(state, settings, forces.constraints());
 }
 
 }  // namespace dlpoly

@@ -27,12 +27,13 @@ SweepSettings sweep_settings(const State& state, const StepSettings& settings, d
     return sweep;
 }
 
-void Splitting::sweep(State& state, const StepSettings& settings, double duration, Stream stream, bool backward,
-                      bool observe) {
+void Splitting::sweep(State& state, Forces& forces, const StepSettings& settings, double duration, Stream stream,
+                      bool backward, bool observe) {
     SweepSettings told = sweep_settings(state, settings, duration, stream);
     told.backward = backward;
     told.observe = observe;
     Particles& particles = state.particles;
+    enter_thermostat(state, forces, settings, backward ? 1 : 0);
     switch (order_) {
         case Order::zeroth:
             sweep_->apply(state.box, particles, sweep::ImplicitEuler{}, told);
@@ -57,6 +58,7 @@ void Splitting::sweep(State& state, const StepSettings& settings, double duratio
         default:
             sweep_->apply(state.box, particles, sweep::OrnsteinUhlenbeck{}, told);
     }
+    leave_thermostat(state, forces, settings);
     virial_ += sweep_->virial();
 }
 
@@ -73,37 +75,42 @@ void Splitting::step(State& state, Forces& forces, const StepSettings& settings,
     virial_.setZero();
     std::optional<Matrix3> kinetic;
     if (before) {
-        sweep(state, settings, both ? 0.5 * timestep : timestep, Stream::sweep_words, false, observe);
+        sweep(state, forces, settings, both ? 0.5 * timestep : timestep, Stream::sweep_words, false, observe);
     }
     push_piston(state, forces, totals, settings, 0.5 * timestep);
     kick(state, settings, 0.5 * timestep);
     if (!middle) {
+        constrain_drift(state, forces, timestep);
         drift_through(state, settings);
     } else {
+        constrain_drift(state, forces, 0.5 * timestep);
         drift(state, settings, 0.5 * timestep);
         enter_middle(state, settings);
         if (due) {
-            sweep(state, settings, timestep * settings.thermostat_every, Stream::sweep_words, false, observe);
+            sweep(state, forces, settings, timestep * settings.thermostat_every, Stream::sweep_words, false, observe);
         }
+        constrain_velocities(state, forces, settings);
         if (observe) {
             kinetic = kinetic_tensor(particles);
         }
         leave_middle(state, settings);
+        constrain_drift(state, forces, 0.5 * timestep);
         drift(state, settings, 0.5 * timestep);
     }
     advance_clock(state, settings);
     compute_forces(state, forces, settings, conservative_request(state, settings, observe), particles.velocity, totals);
     kick(state, settings, 0.5 * timestep);
+    constrain_velocities(state, forces, settings);
     push_piston(state, forces, totals, settings, 0.5 * timestep);
     if (both) {
-        sweep(state, settings, 0.5 * timestep, Stream::second_sweep, true, observe);
+        sweep(state, forces, settings, 0.5 * timestep, Stream::second_sweep, true, observe);
         virial_ *= 0.5;  // each of the two is a mean over half the step
     } else if (!before && !middle) {
-        sweep(state, settings, timestep, Stream::sweep_words, false, observe);
+        sweep(state, forces, settings, timestep, Stream::sweep_words, false, observe);
     }
     totals.drag = virial_;
     totals.kinetic = kinetic;
-    finish_step(state, settings);
+    finish_step(state, settings, forces.constraints());
 }
 
 }  // namespace dlpoly

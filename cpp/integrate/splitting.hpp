@@ -21,7 +21,8 @@ class Splitting final : public Integrator {
     void step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) override;
 
   private:
-    void sweep(State& state, const StepSettings& settings, double duration, Stream stream, bool backward, bool observe);
+    void sweep(State& state, Forces& forces, const StepSettings& settings, double duration, Stream stream,
+               bool backward, bool observe);
 
     Order order_;
     std::optional<PairSweep> sweep_;

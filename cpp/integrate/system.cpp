@@ -30,12 +30,28 @@ void System::set_bonded(BondedForces terms, Exclusions exclusions) {
     ready = false;
 }
 
+void System::set_constraints(std::vector<Constraint> constraints, double tolerance, std::int64_t most_iterations) {
+    forces.set_constraints(Constraints(std::move(constraints), state.particles, tolerance, most_iterations));
+    path_chosen_ = false;
+    fluid_.reset();
+    ready = false;
+}
+
+void System::meet_constraints() {
+    if (Constraints* constraints = forces.constraints()) {
+        constraints->settle(state.box, state.particles, state.step);
+        constraints->after_kick(state.box, state.particles, settings.timestep, state.step);
+        ready = false;
+    }
+}
+
 void System::choose_path() {
     if (path_chosen_) {
         return;
     }
     path_chosen_ = true;
     refusal_ = settings.precision == Precision::reference ? "the precision is reference"
+               : forces.constraints() != nullptr          ? "distances are fixed by constraints"
                : forces.has_exclusions()
                    ? "bonded beads have no pair forces (keys without a leading '-')"
                    : fast::refusal(state.box, state.particles, forces.pairs().table(), settings, forces.has_fields());

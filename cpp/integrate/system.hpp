@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/state.hpp"
 #include "fast/fluid.hpp"
@@ -30,6 +31,12 @@ class System {
 
     // Takes bonded terms, and the pairs of beads whose pair forces they replace.
     void set_bonded(BondedForces terms, Exclusions exclusions);
+
+    // Takes distances that stay fixed; positions and velocities are left as they are.
+    void set_constraints(std::vector<Constraint> constraints, double tolerance, std::int64_t most_iterations);
+
+    // Brings positions to the lengths of the constraints, and takes out of velocities what would change them.
+    void meet_constraints();
 
     // How steps are computed: "fast", or why not in words.
     [[nodiscard]] std::string plan();

@@ -20,7 +20,15 @@ void VelocityVerlet::step(State& state, Forces& forces, const StepSettings& sett
             predicted_.row(i) += settings.prediction * timestep * particles.inverse_mass(i) * particles.force.row(i);
         }
     }
+    const bool constrained = forces.constraints() != nullptr;
+    if (predict && constrained) {
+        predicted_ = particles.velocity;
+    }
     kick(state, settings, 0.5 * timestep);
+    constrain_drift(state, forces, timestep);
+    if (predict && constrained) {  // the forces of constraints change the prediction, too
+        predicted_ += 2.0 * settings.prediction * (particles.velocity - predicted_);
+    }
     std::optional<Matrix3> kinetic;
     if (observe && settings.half_step_kinetic) {
         kinetic = kinetic_tensor(particles);
@@ -31,8 +39,9 @@ void VelocityVerlet::step(State& state, Forces& forces, const StepSettings& sett
                    predict ? predicted_ : particles.velocity, totals);
     totals.kinetic = kinetic;
     kick(state, settings, 0.5 * timestep);
+    constrain_velocities(state, forces, settings);
     push_piston(state, forces, totals, settings, 0.5 * timestep);
-    finish_step(state, settings);
+    finish_step(state, settings, forces.constraints());
 }
 
 }  // namespace dlpoly

@@ -5,6 +5,7 @@ Everything here is in internal units (Å, ps, Da, 10 J/mol); the scene has alrea
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import os
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.explain import PLANS
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
-from pydlpoly.scene.model import Barostat, Bonded, PairTerm, Scene
+from pydlpoly.scene.model import Barostat, Bonded, BondedTerm, PairTerm, Scene
 
 _PRECISIONS = {
     "double": _core.Precision.double_precision,
@@ -39,6 +40,7 @@ class Totals:
         conservative, drag, noise, kinetic: (3, 3) sums Σ F_a r_b over pairs (long-range correction in the first) and
             Σ m v_a v_b over beads, internal energy; the stress of each part is this over the volume.
         momentum: (3,) total momentum, Da Å/ps.
+        constraint: (3, 3) Σ F_a r_b of the forces that keep the lengths of constraints.
         bonded_energies: (5,) of bonds, angles, dihedrals, inversions, tethers; ``bonded``: (5, 3, 3) their Σ F_a r_b.
     """
 
@@ -52,6 +54,7 @@ class Totals:
     bonded_energies: FloatArray
     bonded: FloatArray
     thermostat_energy: float = 0.0
+    constraint: FloatArray = dataclasses.field(default_factory=lambda: np.zeros((3, 3)))
 
 
 def default_threads() -> int:
@@ -95,20 +98,33 @@ class NativeEngine:
             self.system.set_bonded(_bonded_terms(scene, scene.bonded), scene.bonded.excluded.tolist())
         for term in scene.external:
             self.system.add_external_field(term.key, list(term.parameters))
+        self._constrained = scene.constraints is not None
+        if scene.constraints is not None:
+            fixed = scene.constraints
+            self.system.set_constraints(
+                fixed.beads.tolist(), fixed.lengths.tolist(), fixed.tolerance, fixed.most_iterations
+            )
         if cell_width > 0.0:
             self.system.set_cell_width(cell_width)
 
     def start(self, scene: Scene) -> None:
         """Give the beads the velocities that the scene's start asks for, and compute the first forces."""
+        if self._constrained:
+            self.system.meet_constraints()
+            self.system.images = np.zeros((scene.bead_count, 3), dtype=np.int32)  # displacements count from here
         if scene.run.start == "clean" or scene.beads.velocities is None:
             self.system.draw_velocities(True)
         else:
             mobile = int(np.count_nonzero(~scene.beads.frozen))
-            if scene.dynamics.remove_drift or scene.degrees_of_freedom == 3 * mobile - 3:
+            if scene.dynamics.remove_drift or scene.degrees_of_freedom == 3 * mobile - 3 - scene.constraint_count:
                 self.system.remove_drift()
             if scene.run.start == "rescale":
                 self.system.rescale_velocities()
         self.initialise()
+
+    def meet_constraints(self) -> None:
+        """Bring positions to the lengths of constraints, and take out of velocities what would change them."""
+        self.system.meet_constraints()
 
     def initialise(self) -> None:
         """Compute and observe the forces of the present state. Raises SceneError when PYDLPOLY_SIMD cannot be had."""
@@ -138,10 +154,13 @@ class NativeEngine:
             bonded_energies=np.array(system.bonded_energies),
             bonded=np.array(system.bonded_virial_tensors),
             thermostat_energy=float(system.thermostat_energy),
+            constraint=np.asarray(system.constraint_virial_tensor),
         )
 
     def configurational(self) -> tuple[float, float]:
-        """Return Σ|∇U|² and Σ∇²U over the mobile beads, internal units."""
+        """Return Σ|∇U|² and Σ∇²U over the mobile beads, internal units; not numbers where there are constraints."""
+        if self._constrained:
+            return math.nan, math.nan
         _core.set_threads(self.threads)
         squared_force, curvature = self.system.configurational()
         return float(squared_force), float(curvature)
@@ -177,12 +196,18 @@ def _bonded_terms(scene: Scene, bonded: Bonded) -> _core.BondedTerms:
         terms.set_anchors(bonded.anchors)
     try:
         for term in bonded.terms:
-            terms.add(term.kind, term.law, list(term.parameters), term.beads)
+            terms.add(term.kind, term.law, _numbers(term), term.beads)
     except ValueError as error:
         raise SceneError(str(error)) from error
     for (i, j), scale in zip(bonded.scaled.tolist(), bonded.scales.tolist(), strict=True):
         terms.add_scaled_pair(i, j, scale)
     return terms
+
+
+def _numbers(term: BondedTerm) -> list[float]:
+    if term.table is None:
+        return list(term.parameters)
+    return [term.table_start, term.table_spacing, *term.table.ravel().tolist()]
 
 
 def _step_settings(scene: Scene, seed: int) -> _core.StepSettings:

@@ -104,11 +104,9 @@ _VARIABLE = "ignored: it acts only with timestep_variable, which is refused"
 _PLUMED = "ignored: it acts only with plumed, which is refused"
 _EVB = "ignored: it acts only with simulation_method evb, which is refused"
 _UNUSED_UNITS = "ignored: reports follow FIELD's units; DL_POLY does not use it either"
-_TABLES = "ignored: a FIELD that asks for this table is refused"
 _SHELLS = "ignored: a FIELD with core-shell units is refused"
 _CHECKPOINT = "ignored: the checkpoint has pydlpoly's own format"
 _METAL = "ignored: a FIELD with a metal block is refused"
-_CONSTRAINTS = "ignored: a FIELD with constraints is refused"
 _OTHER_NVT = "refused: NVT by this thermostat"
 _ELECTROSTATICS = "refused: electrostatics"
 
@@ -260,8 +258,8 @@ _FORCES = (
     _bool("metal_sqrtrho", "off", "tabulate the root of the density", _METAL, "metal sqrtrho"),
     _float("rlx_tol", "force", "1.0 internal_f", "force tolerance of relaxed shells", _SHELLS, "rlxtol f [f]"),
     _float("rlx_cgm_step", "length", "-1.0 ang", "step of the shell relaxation", _SHELLS),
-    _int("shake_max_iter", "250", "iterations of constraints", _CONSTRAINTS, "mxshak n"),
-    _float("shake_tolerance", "length", "1e-6 ang", "tolerance of constraints", _CONSTRAINTS, "shake f"),
+    _int("shake_max_iter", "250", "most iterations for constraints in one step", old="mxshak n"),
+    _float("shake_tolerance", "length", "1e-6 ang", "largest error of a constrained distance", old="shake f"),
     _bool("dftb", "off", "forces from DFTB+", "refused: forces from DFTB+"),
     _bool("plumed", "off", "bias by PLUMED", "refused: PLUMED", "plumed on"),
     _string("plumed_input", "", "PLUMED's input", _PLUMED, "plumed input name"),
@@ -308,8 +306,9 @@ _REPORTS = (
     _string("io_file_rdf", "RDFDAT", "radial distributions; NONE is special", old="io rdf name"),
     _string("io_file_tabvdw", "TABVDW", "table of pair laws (TABLE with an old-style CONTROL)", old="io tabvdw name"),
     _string("io_file_control", "CONTROL", "this file", "ignored: it is already being read", "io control name"),
-    *(_string(f"io_file_{name}", name.upper(), "tabulated bonded law or metal", _TABLES, f"io {name} name") for name in
-      ("tabbnd", "tabang", "tabdih", "tabinv", "tabeam")),
+    *(_string(f"io_file_{name}", name.upper(), f"table of {what}", old=f"io {name} name") for name, what in (
+        ("tabbnd", "bond laws"), ("tabang", "angle laws"), ("tabdih", "dihedral laws"), ("tabinv", "inversion laws"))),
+    _string("io_file_tabeam", "TABEAM", "table of metal laws", _METAL, "io tabeam name"),
     *(_string(f"io_file_{name}", default, "a file pydlpoly does not write or read",
               "ignored: pydlpoly does not write or read this file", f"io {name} name") for name, default in (
         ("historf", "HISTORF"), ("msd", "MSDTMP"), ("cor", "COR"), ("currents", "CURRENTS"), ("heatflux", "HEATFLUX"),

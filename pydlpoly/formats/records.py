@@ -105,6 +105,11 @@ class Molecule:
         """Number of beads in one copy."""
         return sum(atom.repeat for atom in self.atoms)
 
+    @property
+    def bead_names(self) -> tuple[str, ...]:
+        """Species of the beads of one copy, with the repeats of the atom lines written out."""
+        return tuple(atom.name for atom in self.atoms for _ in range(atom.repeat))
+
     def block(self, directive: str) -> MoleculeBlock | None:
         """Return the block of this name, or None."""
         return next((b for b in self.blocks if b.directive == directive), None)
@@ -221,6 +226,27 @@ class PairTable:
     energy: FloatArray
     virial: FloatArray
     path: str = "TABLE"
+    line: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class BondedTable:
+    """One block of TABBND, TABANG, TABDIH or TABINV: U and dU/dx at regular nodes, in FIELD energy units.
+
+    Attributes:
+        kind: "bond", "angle", "dihedral" or "inversion".
+        species: as the file has them, one name a bead.
+        start, spacing: node k lies at x = start + k spacing; Å, degrees for angles.
+        energy, slope: (n,) U and dU/dx, per Å or per degree.
+    """
+
+    kind: str
+    species: tuple[str, ...]
+    start: float
+    spacing: float
+    energy: FloatArray
+    slope: FloatArray
+    path: str = "TABBND"
     line: int = 0
 
 

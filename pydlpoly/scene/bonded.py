@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pydlpoly.errors import SceneError
-from pydlpoly.formats.records import BondedLine, Field, FloatArray, Molecule
+from pydlpoly.formats.bonded_table import TABLE_KINDS, canonical_species
+from pydlpoly.formats.records import BondedLine, BondedTable, Field, FloatArray, Molecule
 from pydlpoly.scene.bonded_laws import KINDS, BondedEntry, read_bonded, refusal
 from pydlpoly.scene.cell import widths
 from pydlpoly.scene.model import Beads, Bonded, BondedKind, BondedTerm
-from pydlpoly.scene.settings import Notes, place
+from pydlpoly.scene.settings import Notes, place, places
 
 # Which beads of a term the vectors lead between that the core works with.
 _VECTORS: dict[BondedKind, tuple[tuple[int, int], ...]] = {
@@ -39,6 +41,9 @@ _ODD = {
     "and the third for m",
 }
 _Line = tuple[BondedLine, BondedEntry]
+_Tables = Mapping[tuple[str, tuple[str, ...]], BondedTable]
+# How far the slopes of a table may be off from those of its energies, as a part of the largest one; the median counts.
+_SLOPES_DIFFER = 0.1
 
 
 def resolve_bonded(
@@ -49,11 +54,12 @@ def resolve_bonded(
     periodic: tuple[bool, bool, bool],
     config_path: str,
     notes: Notes,
+    tables: Iterable[BondedTable] = (),
 ) -> Bonded | None:
-    """Return the bonded terms of all molecules, or None when there are none.
+    """Return the bonded terms of all molecules, or None when there are none and no pair is excluded.
 
-    Exclusions follow DL_POLY: every pair of beads that appears together in a bond, angle, dihedral or inversion has no
-    pair forces, unless its key is the restraint form; nothing is inferred from the graph of bonds.
+    Exclusions follow DL_POLY: every pair of beads that appears together in a bond, constraint, angle, dihedral or
+    inversion has no pair forces, unless its key is the restraint form; nothing is inferred from the graph of bonds.
 
     Args:
         field: FIELD with its molecules.
@@ -63,6 +69,7 @@ def resolve_bonded(
         periodic: periodicity along the three cell vectors.
         config_path: CONFIG, for messages.
         notes: receives choices and what has no effect.
+        tables: tabulated laws.
 
     Raises:
         SceneError: a law that is not modelled, numbers it cannot take, or beads of a term so far apart at the start
@@ -70,11 +77,14 @@ def resolve_bonded(
     """
     parts = []
     first = 0
+    found = {(table.kind, canonical_species(table.kind, table.species)): table for table in tables}
+    for table in found.values():
+        _note_slopes(table, notes)
     for number, molecule in enumerate(field.molecules):
         size, count = molecule.beads_per_molecule, molecule.count
-        if count and any(block.directive in KINDS and block.lines for block in molecule.blocks):
+        if count and any(block.directive in (*KINDS, "constraints") and block.lines for block in molecule.blocks):
             offsets = first + size * np.arange(count)
-            parts.append(_MoleculeTerms(molecule, number, field, factor, notes).spread(offsets))
+            parts.append(_MoleculeTerms(molecule, number, field, factor, found, notes).spread(offsets))
         first += size * count
     if not parts:
         return None
@@ -93,8 +103,11 @@ def resolve_bonded(
 class _MoleculeTerms:
     """The terms of one molecule type, with bead numbers counted from 0 within a copy."""
 
-    def __init__(self, molecule: Molecule, number: int, field: Field, factor: float, notes: Notes) -> None:
+    def __init__(
+        self, molecule: Molecule, number: int, field: Field, factor: float, tables: _Tables, notes: Notes
+    ) -> None:
         self._molecule, self._number, self._field, self._notes = molecule, number, field, notes
+        self._names, self._tables, self._factor = molecule.bead_names, tables, factor
         self._lines: dict[BondedKind, list[_Line]] = {}
         for block in molecule.blocks:
             if block.directive in KINDS:
@@ -114,16 +127,39 @@ class _MoleculeTerms:
 
     def _terms(self, offsets: NDArray[np.int64]) -> Iterator[BondedTerm]:
         for kind, lines in self._lines.items():
-            groups: dict[tuple[str, bool, tuple[float, ...]], list[BondedLine]] = {}
+            groups: dict[tuple[str, bool, tuple[float, ...], tuple[str, ...]], list[BondedLine]] = {}
             for line, entry in lines:
-                groups.setdefault((entry.law.key, entry.restraint, entry.parameters), []).append(line)
-            for (key, restraint, parameters), members in groups.items():
+                species = self._species(kind, line) if entry.law.table else ()
+                groups.setdefault((entry.law.key, entry.restraint, entry.parameters, species), []).append(line)
+            for (key, restraint, parameters, species), members in groups.items():
                 local = np.array([line.beads for line in members], dtype=np.int64) - 1
-                where = _places([line.line for line in members], self._field)
-                yield BondedTerm(kind, key, parameters, _copies(local, offsets), restraint, self._number, where)
+                where = places(self._field.path, [line.line for line in members])
+                term = BondedTerm(kind, key, parameters, _copies(local, offsets), restraint, self._number, where)
+                yield self._with_table(term, species, members[0]) if species else term
+
+    def _species(self, kind: BondedKind, line: BondedLine) -> tuple[str, ...]:
+        return canonical_species(kind, [self._names[bead - 1] for bead in line.beads])
+
+    def _with_table(self, term: BondedTerm, species: tuple[str, ...], line: BondedLine) -> BondedTerm:
+        table = self._tables.get((term.kind, species))
+        if table is None:
+            name = TABLE_KINDS[term.kind].name
+            raise refusal(line, self._field, f"the {term.kind} of {' '.join(species)} has no table ({name})")
+        angle = 1.0 if term.kind == "bond" else math.pi / 180.0
+        values = self._factor * np.array([table.energy, table.slope / angle])
+        values.setflags(write=False)
+        return replace(
+            term,
+            table=values,
+            table_start=table.start * angle,
+            table_spacing=table.spacing * angle,
+            explanation=f"{term.explanation}, {place(table.path, table.line)}",
+        )
 
     def _excluded(self) -> set[tuple[int, int]]:
-        return {
+        constraints = self._molecule.block("constraints")
+        fixed = {(min(line.beads) - 1, max(line.beads) - 1) for line in constraints.lines} if constraints else set()
+        return fixed | {
             (min(pair) - 1, max(pair) - 1)
             for kind, lines in self._lines.items()
             if kind != "tether"
@@ -182,20 +218,23 @@ class _MoleculeTerms:
                     self._notes.warning(text, where)
 
 
+def _note_slopes(table: BondedTable, notes: Notes) -> None:
+    """Warn when a table's third column is not the slope of its second."""
+    slopes = np.gradient(table.energy, table.spacing)[1:-1]
+    largest = float(np.median(np.abs(slopes)))
+    apart = float(np.median(np.abs(table.slope[1:-1] - slopes)))
+    if apart > _SLOPES_DIFFER * largest:
+        column = "-r dU/dr" if table.kind == "bond" else "-dU/dx per degree"
+        text = (
+            f"table of {' '.join(table.species)}: the third column, {column}, is not the slope of the energies (half "
+        )
+        text += f"of all points are off by more than {apart:.3g}, where the slope is {largest:.3g}); both are used"
+        notes.warning(text, place(table.path, table.line))
+
+
 def _copies(local: NDArray[np.int64], offsets: NDArray[np.int64]) -> NDArray[np.int32]:
     """Repeat rows of local bead numbers for every copy of the molecule."""
     return (offsets[:, None, None] + local[None, :, :]).reshape(-1, local.shape[1]).astype(np.int32)
-
-
-def _places(lines: list[int], field: Field) -> str:
-    """Return ``FIELD:12-16, FIELD:19`` for line numbers, runs of them in short."""
-    runs: list[list[int]] = []
-    for line in sorted(lines):
-        if runs and line == runs[-1][1] + 1:
-            runs[-1][1] = line
-        else:
-            runs.append([line, line])
-    return ", ".join(place(field.path, a) + (f"-{b}" if b > a else "") for a, b in runs)
 
 
 def _check_lengths(

@@ -23,7 +23,6 @@ KINDS: dict[str, BondedKind] = {
 """The kind of terms that each block of a molecule holds."""
 
 _NOT_MODELLED = {
-    "tab": "tabulated bonded laws are not modelled yet",
     "coul": "Coulomb bonds are not modelled yet",
 }
 # Numbers 4 and 5 of a dihedral's line are the 1-4 factors, wherever its law's own numbers end.
@@ -41,6 +40,7 @@ class BondedLaw:
         energy_mask: bit k set: parameter k is an energy and is scaled by FIELD's unit.
         degree_mask: bit k set: parameter k is an angle, in degrees in FIELD.
         optional: so many of the last numbers may be left out; they are then 0.
+        table: its numbers come from a file of tables, none from FIELD.
     """
 
     kind: BondedKind
@@ -51,6 +51,7 @@ class BondedLaw:
     energy_mask: int
     degree_mask: int
     optional: int
+    table: bool = False
 
     def internal(self, numbers: tuple[float, ...], factor: float) -> tuple[float, ...]:
         """Return FIELD's numbers in internal units: energies times ``factor``, angles in radians."""
@@ -82,6 +83,7 @@ def bonded_laws() -> dict[tuple[BondedKind, str], BondedLaw]:
             energy_mask=row["energy_mask"],
             degree_mask=row["degree_mask"],
             optional=row["optional"],
+            table=row["table"],
         )
         laws[law.kind, law.key] = law
         if law.restraint_key:
@@ -116,8 +118,7 @@ def read_bonded(kind: BondedKind, line: BondedLine, field: Field, factor: float)
     """
     law = bonded_laws().get((kind, line.key))
     if law is None:
-        reason = _NOT_MODELLED["tab" if line.key in ("tab", "-tab") else "coul"]
-        raise refusal(line, field, reason)
+        raise refusal(line, field, _NOT_MODELLED["coul"])
     numbers, factors = line.parameters, (0.0, 0.0)
     if kind == "dihedral":
         given = (*numbers[_FACTORS], 0.0, 0.0)
@@ -129,12 +130,14 @@ def read_bonded(kind: BondedKind, line: BondedLine, field: Field, factor: float)
         raise refusal(line, field, message)
     if any(numbers[count:]) or not all(math.isfinite(x) for x in factors):
         extra = next((x for x in numbers[count:] if x), math.nan)
-        message = f"the number {extra:g} has no meaning: the {kind} law {law.key} takes {names}"
+        takes = names or "its numbers from a file of tables"
+        message = f"the number {extra:g} has no meaning: the {kind} law {law.key} takes {takes}"
         raise refusal(line, field, message if any(numbers[count:]) else "the 1-4 factors must be finite")
     numbers = (*numbers, *(0.0,) * law.optional)[:count]
     parameters = law.internal(numbers, factor)
     try:
-        check_parameters(kind, law.key, parameters)
+        if not law.table:
+            check_parameters(kind, law.key, parameters)
     except ValueError as error:
         raise refusal(line, field, str(error)) from None
     return BondedEntry(law, parameters, line.key != law.key or kind == "tether", factors)

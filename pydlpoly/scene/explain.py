@@ -265,8 +265,10 @@ def _parameters(term: PairTerm, factor: float) -> str:
 
 
 def _bonded(scene: Scene) -> list[str]:
-    if scene.bonded is None:
+    if scene.bonded is None and scene.constraints is None:
         return ["none"]
+    if scene.bonded is None or not scene.bonded.terms:
+        return _constraints(scene)
     units, word = scene.field_units or scene.units, _Words(scene)
     lengths = f", lengths in{word.length}" if word.length else ""
     texts = [line for text in explain_bonded.sentences(scene, scene.bonded) for line in _wrap(text)]
@@ -274,7 +276,23 @@ def _bonded(scene: Scene) -> list[str]:
         f"energies in {units.label or 'reduced units'}{lengths}, angles in degrees, as in FIELD",
         *_table(*explain_bonded.headers_and_rows(scene, scene.bonded)),
         *texts,
+        *_constraints(scene),
     ]
+
+
+def _constraints(scene: Scene) -> list[str]:
+    """The fixed distances, and what becomes of the pair forces where there is nothing else."""
+    if scene.constraints is None:
+        return []
+    word, fixed = _Words(scene), scene.constraints
+    lines = [
+        f"constraints: {scene.constraint_count} fixed at {_spread(fixed.lengths)}{word.length} "
+        f"({fixed.explanation}), by SHAKE and RATTLE",
+        f"constraints are met to {fixed.tolerance:g}{word.length} in at most {fixed.most_iterations} iterations",
+    ]
+    if scene.bonded is not None and not scene.bonded.terms:
+        lines.append(f"pairs without pair forces, drag and noise: {len(scene.bonded.excluded)}")
+    return [line for text in lines for line in _wrap(text)]
 
 
 def _cutoffs(scene: Scene) -> list[str]:
@@ -378,7 +396,9 @@ def _output(scene: Scene) -> list[str]:
 
 
 def _absent(scene: Scene) -> list[str]:
-    absent = ["electrostatics"] if scene.bonded is not None else ["bonded terms", "electrostatics"]
+    absent = (
+        ["electrostatics"] if scene.bonded is not None and scene.bonded.terms else ["bonded terms", "electrostatics"]
+    )
     if all(term.law is None for term in scene.pairs):
         absent.append("conservative pair forces")
     if not is_pairwise(scene.dynamics.integrator):

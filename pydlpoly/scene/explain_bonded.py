@@ -49,6 +49,8 @@ def _what(scene: Scene, term: BondedTerm) -> tuple[str, str, str]:
 
 
 def _numbers(term: BondedTerm, factor: float) -> str:
+    if term.table is not None:
+        return f"table of {term.table.shape[1]} points"
     law = bonded_laws()[term.kind, term.law]
     numbers = law.as_in_field(term.parameters, factor)
     return " ".join(f"{name}={number:.6g}" for name, number in zip(law.parameter_names, numbers, strict=True))

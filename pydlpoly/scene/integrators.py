@@ -80,6 +80,13 @@ def is_pairwise(integrator: str) -> bool:
     return integrator in INTEGRATORS
 
 
+WITH_CONSTRAINTS = (
+    "nve",
+    *(name for name in INTEGRATORS if name not in ("scvv", "nose-hoover-langevin")),
+    *THERMOSTATS,
+)
+"""Integrators that keep the lengths of constraints."""
+
 WITH_BAROSTAT = (
     *(name for name in INTEGRATORS if name not in ("dpdvv", "scvv", "nose-hoover-langevin")),
     "langevin",

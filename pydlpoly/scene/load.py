@@ -6,10 +6,11 @@ from os import PathLike
 from pathlib import Path
 
 from pydlpoly.errors import InputError
+from pydlpoly.formats.bonded_table import TABLE_KINDS, read_bonded_tables, wanted_tables
 from pydlpoly.formats.config import read_config
 from pydlpoly.formats.control import read_control, value_in
 from pydlpoly.formats.field import read_field
-from pydlpoly.formats.records import Configuration, Control, Field, PairTable
+from pydlpoly.formats.records import BondedTable, Configuration, Control, Field, PairTable
 from pydlpoly.formats.table import read_table
 from pydlpoly.scene.model import Scene
 from pydlpoly.scene.resolve import resolve
@@ -25,7 +26,7 @@ def load(
     config: Path_ | Configuration | None = None,
     lenient: bool = False,
 ) -> Scene:
-    """Read CONTROL, FIELD, CONFIG (and the table of ``tab`` pairs) and return the scene they describe.
+    """Read CONTROL, FIELD, CONFIG (and the tables of ``tab`` pairs and terms) and return the scene they describe.
 
     Args:
         directory: the folder of the files; without it CONTROL's folder, or the current one.
@@ -55,8 +56,9 @@ def load(
         path = _find(folder, config, name, "the start configuration", "io_file_config or the argument config")
         config = read_config(path, ignore_indices=bool(value_in(control, "ignore_config_indices")))
     tables, table_path = _tables(folder, control, field)
-    sources = [control.path, field.path, config.path, *table_path]
-    return resolve(control, field, config, tables=tables, sources=sources)
+    bonded_tables, bonded_paths = _bonded_tables(folder, control, field)
+    sources = [control.path, field.path, config.path, *table_path, *bonded_paths]
+    return resolve(control, field, config, tables=tables, bonded_tables=bonded_tables, sources=sources)
 
 
 def _find(folder: Path | None, given: Path_ | None, usual: str, what: str, cure: str) -> Path:
@@ -81,3 +83,18 @@ def _tables(folder: Path, control: Control, field: Field) -> tuple[tuple[PairTab
     name = next((name for name in names if (folder / name).is_file()), names[0])
     path = _find(folder, None, name, "the table of the tab pairs", "io_file_tabvdw")
     return tuple(read_table(path, field)), (str(path),)
+
+
+def _bonded_tables(folder: Path, control: Control, field: Field) -> tuple[list[BondedTable], list[str]]:
+    """Read the tables of the bonded terms that FIELD declares ``tab``, each kind from a file of its own."""
+    tables: list[BondedTable] = []
+    paths: list[str] = []
+    for kind, spec in TABLE_KINDS.items():
+        if wanted_tables(kind, field):
+            keyword = f"io_file_{spec.name.lower()}"
+            path = _find(
+                folder, None, str(value_in(control, keyword)), f"the tables of the tab {spec.directive}", keyword
+            )
+            tables += read_bonded_tables(path, kind, field)
+            paths.append(str(path))
+    return tables, paths

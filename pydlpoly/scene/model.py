@@ -121,6 +121,8 @@ class BondedTerm:
         restraint: whether the beads keep their pair forces.
         molecule: index into ``Scene.molecule_names``.
         explanation: where the numbers come from ("FIELD:12, FIELD:13").
+        table: (2, n) U and dU/dx of a law "tab" at x = table_start + table_spacing (0 … n − 1), internal units and
+            radians, else None.
     """
 
     kind: BondedKind
@@ -129,6 +131,28 @@ class BondedTerm:
     beads: NDArray[np.int32]
     restraint: bool
     molecule: int
+    explanation: str = ""
+    table: FloatArray | None = None
+    table_start: float = 0.0
+    table_spacing: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Constraints:
+    """Distances that stay fixed.
+
+    Attributes:
+        beads: (n, 2) ids; at least one of the two can move.
+        lengths: (n,) in Å.
+        tolerance: by how much a distance may differ from its length, Å.
+        most_iterations: of SHAKE and RATTLE in one step.
+        explanation: where they come from ("FIELD:12-14").
+    """
+
+    beads: NDArray[np.int32]
+    lengths: FloatArray
+    tolerance: float
+    most_iterations: int
     explanation: str = ""
 
 
@@ -309,7 +333,9 @@ class Scene:
         sources: the files the scene was read from.
         source_order: (N,) for scenes made from a structure whose beads had to be sorted: where each bead stood there.
         source_cell: (3, 3) the cell of that structure, when ``cell`` differs from it along axes that are not periodic.
-        bonded: bonds, angles, dihedrals, inversions and tethers; None when there are none.
+        bonded: bonds, angles, dihedrals, inversions and tethers, and the pairs without pair forces; None when there are
+            none.
+        constraints: fixed distances; None when there are none.
     """
 
     title: str
@@ -336,6 +362,12 @@ class Scene:
     source_order: NDArray[np.int64] | None = None
     source_cell: FloatArray | None = None
     bonded: Bonded | None = None
+    constraints: Constraints | None = None
+
+    @property
+    def constraint_count(self) -> int:
+        """Number of fixed distances."""
+        return 0 if self.constraints is None else len(self.constraints.lengths)
 
     @property
     def bead_count(self) -> int:

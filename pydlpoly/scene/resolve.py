@@ -7,12 +7,13 @@ from collections.abc import Iterable
 import numpy as np
 
 from pydlpoly.errors import SceneError
-from pydlpoly.formats.records import Configuration, Control, Field, FloatArray, PairTable
+from pydlpoly.formats.records import BondedTable, Configuration, Control, Field, FloatArray, PairTable
 from pydlpoly.scene.barostat import check_barostat, resolve_barostat, shape_of
 from pydlpoly.scene.beads import Layout, check_charges, check_configuration, lay_out
 from pydlpoly.scene.bonded import resolve_bonded
 from pydlpoly.scene.bonded_laws import KINDS
 from pydlpoly.scene.cell import resolve_cell, widths, wrap
+from pydlpoly.scene.constraints import left_by, resolve_constraints
 from pydlpoly.scene.dynamics import check_limits, resolve_dynamics, resolve_run, settle_momentum, start_velocities
 from pydlpoly.scene.interactions import (
     check_image_noise,
@@ -28,7 +29,12 @@ from pydlpoly.scene.settings import Notes, Settings, place
 from pydlpoly.units import ENERGY_UNITS, EnergyUnit, energy_unit
 
 # These say which files to read and how: whoever made the records has followed them.
-_FOLLOWED_BY_READERS = ("io_file_config", "io_file_field", "io_file_tabvdw", "ignore_config_indices")
+_FOLLOWED_BY_READERS = (
+    "io_file_config",
+    "io_file_field",
+    *(f"io_file_{name}" for name in ("tabvdw", "tabbnd", "tabang", "tabdih", "tabinv")),
+    "ignore_config_indices",
+)
 # Beyond this many cells from the origin a coordinate in double precision says nothing about the place in the cell.
 _FARTHEST = 1e9
 
@@ -39,6 +45,7 @@ def resolve(
     config: Configuration,
     *,
     tables: Iterable[PairTable] = (),
+    bonded_tables: Iterable[BondedTable] = (),
     sources: Iterable[str] = (),
 ) -> Scene:
     """Return the complete scene that the three records describe.
@@ -48,6 +55,7 @@ def resolve(
         field: molecules, pair laws and external fields.
         config: periodicity, cell, positions and, by level, velocities.
         tables: tabulated pair laws, for the ``tab`` pairs of ``field``.
+        bonded_tables: tabulated bonded laws, for the ``tab`` terms of ``field``.
         sources: names for the scene's list of sources; by default the records' own paths.
 
     Raises:
@@ -82,7 +90,10 @@ def resolve(
     output = resolve_output(settings, field, layout.species_names, pairs, cutoffs[0], notes)
     velocities = start_velocities(config, layout, run, fixed, notes)
     beads = _beads(layout, _wrapped(config, cell, periodic), velocities)
-    bonded = resolve_bonded(field, field_units.factor, beads, cell, periodic, config.path, notes)
+    bonded = resolve_bonded(field, field_units.factor, beads, cell, periodic, config.path, notes, bonded_tables)
+    constraints = resolve_constraints(
+        settings, field, layout, dynamics, beads.positions, cell, periodic, cutoffs[0], config.path, notes
+    )
     tails = long_range_correction(settings, pairs, periodic, notes)
     settings.finish(notes)
     return Scene(
@@ -100,7 +111,7 @@ def resolve(
         dynamics=dynamics,
         run=run,
         output=output,
-        degrees_of_freedom=degrees,
+        degrees_of_freedom=left_by(constraints, degrees, notes),
         long_range_correction=tails,
         molecule_names=tuple(molecule.name for molecule in field.molecules),
         molecule_counts=tuple(molecule.count for molecule in field.molecules),
@@ -108,6 +119,7 @@ def resolve(
         notes=notes.all(),
         sources=tuple(sources) or (control.path, field.path, config.path),
         bonded=bonded,
+        constraints=constraints,
     )
 
 
@@ -141,7 +153,7 @@ def _wrapped(config: Configuration, cell: FloatArray, periodic: tuple[bool, bool
 def _refuse_unmodelled_blocks(field: Field) -> None:
     for molecule in field.molecules:
         for block in molecule.blocks:
-            if block.lines and molecule.count and block.directive not in KINDS:
+            if block.lines and molecule.count and block.directive not in (*KINDS, "constraints"):
                 message = f"the block {block.directive} of molecule {molecule.name} is not modelled yet"
                 raise SceneError(message, path=field.path, line=block.line or None, word=block.directive)
     for other in field.others:

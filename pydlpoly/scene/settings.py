@@ -154,6 +154,17 @@ def place(path: str, line: int | None) -> str:
     return f"{name}:{line}" if line else name
 
 
+def places(path: str, lines: list[int]) -> str:
+    """Return ``FIELD:12-16, FIELD:19`` for line numbers, runs of them in short."""
+    runs: list[list[int]] = []
+    for line in sorted(lines):
+        if runs and line == runs[-1][1] + 1:
+            runs[-1][1] = line
+        else:
+            runs.append([line, line])
+    return ", ".join(place(path, a) + (f"-{b}" if b > a else "") for a, b in runs)
+
+
 def _as_written(setting: Setting) -> str:
     value = setting.value
     if isinstance(value, bool):

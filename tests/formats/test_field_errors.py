@@ -449,3 +449,50 @@ def test_broken_file_gets_this_message(text: str, message: str) -> None:
     with pytest.raises(InputError) as caught:
         parse_field(text)
     assert str(caught.value) == message
+
+
+BLOCKS = {
+    "shell": ("1 2 10.0", "shells"),
+    "constraints": ("1 2 1.0", "constraints"),
+    "bonds": ("tab 1 2", "bonds"),
+    "angles": ("-tab 1 2 3", "angles"),
+    "dihedrals": ("tab 1 2 3 4", "dihedrals"),
+    "inversions": ("-tab 1 2 3 4", "inversions"),
+    "teth": ("harm 1 2.0", "tethers"),
+}
+FOUR = "t\nunits kJ\nmolecules 1\nM\nnummols 1\natoms 4\nA 1 0 3\nB 1 0\n"
+
+
+def refused(text: str) -> str:
+    with pytest.raises(InputError) as caught:
+        parse_field(FOUR + text + "finish\nclose\n")
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("word", BLOCKS)
+def test_every_block_of_a_molecule(word: str) -> None:
+    """Errors 27, 33, 66 to 68, 620, 36 and its likes, and wrong numbers of lines."""
+    line, name = BLOCKS[word]
+    for bead in ("0", "5"):
+        outside = line.replace(" 1", f" {bead}", 1) if not line.startswith("1") else line.replace("1", bead, 1)
+        assert refused(f"{word} 1\n{outside}\n") == f"FIELD:10: '{bead}': the molecule has beads 1 to 4"
+    if name != "tethers":
+        twice = line.replace("1 2", "2 2", 1)
+        assert refused(f"{word} 1\n{twice}\n") == f"FIELD:10: bead 2 appears twice in one entry of {name}"
+    if name == "dihedrals":
+        warnings = parse_field(FOUR + f"{word} 2\n{line}\n{line}\nfinish\nclose\n").warnings
+        assert [w for w in warnings if "they add up" in w]
+    else:
+        again = f"FIELD:11: the same beads are listed in {name} on line 10"
+        assert refused(f"{word} 2\n{line}\n{line}\n") == again
+    assert refused(f"{word} 1\n{line}\n{word} 1\n{line}\n") == (
+        f"FIELD:11: '{word}': molecule 'M' has {name} twice (first on line 9)"
+    )
+    assert refused(f"{word} 2\n{line}\n") == (
+        f"FIELD:11: 'finish': {name} on line 9 says 2, but only 1 came before this; correct the number or add the "
+        "missing ones"
+    )
+    first = line.split()[0]
+    assert refused(f"{word} 1\n{line}\n{line}\n") == (
+        f"FIELD:11: '{first}': {name} on line 9 says 1, but here is one more; correct the number or remove the line"
+    )

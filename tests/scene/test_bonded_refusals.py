@@ -13,8 +13,12 @@ FOUR = {"atoms": ("A 1.0 0.0 4", "B 2.0 0.0"), "counts": (1, 2)}
 NEAR = [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.5, 0.5], [1.5, 0.0, 0.0], [0.0, 1.5, 0.0]]
 
 REFUSALS = {
-    "tabulated": ("bonds 1\ntab 1 2", "FIELD:9: 'tab': tabulated bonded laws are not modelled yet"),
-    "tabulated_restraint": ("angles 1\n-tab 1 2 3", "FIELD:9: '-tab': tabulated bonded laws are not modelled yet"),
+    "tabulated": ("bonds 1\ntab 1 2", "FIELD:9: 'tab': the bond of A A has no table (TABBND)"),
+    "tabulated_restraint": ("angles 1\n-tab 1 2 3", "FIELD:9: '-tab': the angle of A A A has no table (TABANG)"),
+    "tabulated_number": (
+        "bonds 1\ntab 1 2 0.5",
+        "FIELD:9: 'tab': the number 0.5 has no meaning: the bond law tab takes its numbers from a file of tables",
+    ),
     "coulomb": ("bonds 1\ncoul 1 2 0.5", "FIELD:9: 'coul': Coulomb bonds are not modelled yet"),
     "coulomb_restraint": ("bonds 1\n-cul 1 2 0.5", "FIELD:9: '-cul': Coulomb bonds are not modelled yet"),
     "unknown_key": (
@@ -83,9 +87,31 @@ REFUSALS = {
     ),
     "tether_numbers": ("teth 1\nrhrm 1 10.0", "FIELD:9: 'rhrm': the tether law rhrm needs 2 numbers (k rc), found 1"),
     "rigid": ("rigid 1\n2 1 2", "FIELD:8: 'rigid': the block rigid of molecule mol1 is not modelled yet"),
-    "constraints": (
-        "bonds 1\nharm 1 2 10.0 0.5\nconstraints 1\n2 3 0.5",
-        "FIELD:10: 'constraints': the block constraints of molecule mol1 is not modelled yet",
+    "constraint_of_no_length": (
+        "constraints 1\n1 2 0.0",
+        "FIELD:9: '0': the length of a constraint must be a positive number",
+    ),
+    "constraint_with_two_lengths": (
+        "constraints 1\n1 2 0.5 0.6",
+        "FIELD:9: the number 0.6 has no meaning: a constraint takes two beads and a length",
+    ),
+    "constraint_beyond_the_cutoff": (
+        "constraints 2\n1 2 0.5\n2 3 1.0",
+        "FIELD:10: '1': the constraint is not shorter than the cutoff, 1 ang (DL_POLY's error 34)",
+    ),
+    "constraint_outside": ("constraints 1\n1 5 0.5", "FIELD:9: '5': the molecule has beads 1 to 4"),
+    "constraint_of_one_bead": ("constraints 1\n2 2 0.5", "FIELD:9: bead 2 appears twice in one entry of constraints"),
+    "constraint_twice": (
+        "constraints 2\n1 2 0.5\n2 1 0.5",
+        "FIELD:10: the same beads are listed in constraints on line 9",
+    ),
+    "constraints_twice": (
+        "constraints 1\n1 2 0.5\nconstraints 1\n2 3 0.5",
+        "FIELD:10: 'constraints': molecule 'mol1' has constraints twice (first on line 8)",
+    ),
+    "constraint_far_from_its_length": (
+        "constraints 1\n1 2 0.3",
+        "CONFIG: beads 1 and 2 are 0.5 apart at the start, their constraint is 0.3: too far off to be mended",
     ),
     "shells": ("shell 1\n1 2 10.0", "FIELD:8: 'shells': the block shells of molecule mol1 is not modelled yet"),
     "pmf": (
@@ -111,6 +137,92 @@ def test_beads_too_far_apart_at_the_start(make: Any) -> None:
         "CONFIG: beads 1 and 2 of a bond (FIELD:9) are 2.14709 apart, more than half the cell's width (2): which image "
         "is meant is not certain"
     )
+
+
+def test_constraints_that_depend_on_each_other(make: Any) -> None:
+    """Three beads in a line: two of the three distances fix the third, to first order."""
+    line = [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.9, 0.0, 0.0], *NEAR[3:]]
+    inside = "constraints 3\n1 2 0.5\n2 3 0.4\n1 3 0.9"
+    with pytest.raises(SceneError) as caught:
+        make(**FOUR, positions=line, inside=inside).scene()
+    assert str(caught.value) == (
+        "FIELD:9: 'constraints': the 3 constraints of molecule mol1 depend on each other at the start: 2 fix the same "
+        "shape; leave the others out"
+    )
+    bent = [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.5, 0.4, 0.0], *NEAR[3:]]
+    inside = inside.replace("1 3 0.9", f"1 3 {0.41**0.5!r}")
+    scene = make(**FOUR, positions=bent, inside=inside).scene()
+    assert (scene.constraint_count, scene.degrees_of_freedom) == (3, 3 * 6 - 3 - 3)
+
+
+def test_constraints_as_long_as_half_the_cell(make: Any) -> None:
+    positions = [[0.0, 0.0, 0.0], [1.9, 0.0, 0.0], *NEAR[2:]]
+    with pytest.raises(SceneError) as caught:
+        make(**FOUR, positions=positions, inside="constraints 1\n1 2 2.0", control={"cutoff": "3.0 ang"}).scene()
+    assert str(caught.value) == "FIELD:9: '2': the constraint is not shorter than half the cell's width, 2 ang"
+
+
+@pytest.mark.parametrize(
+    ("control", "message"),
+    [
+        (
+            {"ensemble_dpd_order": "scvv"},
+            "CONTROL:4: 'ensemble_dpd_order': constraints are not modelled with scvv; they are with nve, mdvv, dpdvv, "
+            "zeroth, first, second, peters, peters-first, lowe-andersen, stoyanov-groot, ou, ou-middle, middle, "
+            "langevin, berendsen, hoover",
+        ),
+        (
+            {"ensemble": "npt", "ensemble_barostat_friction": "1 dpd_t^-1"},
+            "CONTROL:2: 'ensemble': constraints are not modelled in a cell that follows the pressure; take ensemble "
+            "nve or nvt",
+        ),
+        (
+            {"diagnostics_frequency": "10 steps"},
+            "CONTROL:10: 'diagnostics_frequency': DIAGNOSTICS holds the configurational temperature, which is not "
+            "modelled with constraints",
+        ),
+        (
+            {"shake_tolerance": "0 ang"},
+            "CONTROL:10: 'shake_tolerance': the tolerance of constraints must be above 0 and below all lengths, the "
+            "shortest of which is 0.5, not 0",
+        ),
+        (
+            {"shake_tolerance": "0.6 ang"},
+            "CONTROL:10: 'shake_tolerance': the tolerance of constraints must be above 0 and below all lengths, the "
+            "shortest of which is 0.5, not 0.6",
+        ),
+        ({"shake_max_iter": "0"}, "CONTROL:10: 'shake_max_iter': constraints need at least one iteration, not 0"),
+    ],
+)
+def test_settings_that_do_not_go_with_constraints(make: Any, control: dict[str, str], message: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        make(**FOUR, positions=NEAR, inside="constraints 1\n1 2 0.5", control=control).scene()
+    assert str(caught.value) == message
+
+
+def test_constraints_of_frozen_beads_are_left_out(make: Any) -> None:
+    atoms = {"atoms": ("A 1.0 0.0 4 1", "B 2.0 0.0"), "counts": (1, 2)}
+    scene = make(**atoms, positions=NEAR, inside="constraints 1\n1 2 0.5").scene()
+    assert scene.constraints is None
+    assert [(note.kind, note.text) for note in scene.notes if "constraint" in note.text] == [
+        ("ignored", "the constraint of beads 1 and 2 is left out: both are frozen")
+    ]
+
+
+@pytest.mark.parametrize(
+    ("inside", "kind", "text"),
+    [
+        (
+            "constraints 1\n1 2 0.51",
+            "choice",
+            "beads 1 and 2 are 0.5 apart at the start, their constraint is 0.51; beads are moved",
+        ),
+        ("bonds 1\nharm 2 1 1.0 0.4\nconstraints 1\n1 2 0.5", "warning", "beads 1 and 2 have a bond, too, on line 9"),
+    ],
+)
+def test_notes_on_constraints(make: Any, inside: str, kind: str, text: str) -> None:
+    scene = make(**FOUR, positions=NEAR, inside=inside).scene()
+    assert [note.kind for note in scene.notes if note.text.startswith(text)] == [kind]
 
 
 def test_molecules_without_copies_may_hold_anything(make: Any) -> None:

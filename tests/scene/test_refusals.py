@@ -210,10 +210,6 @@ CASES = {
         {"atoms": ("A 1.0 0.0 2", "B 2.0 0.0"), "inside": "shell 1\n1 2 10.0"},
         "FIELD:8: 'shells': the block shells of molecule mol1 is not modelled yet",
     ),
-    "constraints": (
-        {"atoms": ("A 1.0 0.0 2", "B 2.0 0.0"), "inside": "constraints 1\n1 2 1.0"},
-        "FIELD:8: 'constraints': the block constraints of molecule mol1 is not modelled yet",
-    ),
     "metal": ({"after": "metal 1\nA A stch 1 2 3 4 5"}, "FIELD:18: 'metal': the block metal is not modelled yet"),
     "electric_field": (
         {"after": "extern\nelec 1 0 0"},
