@@ -49,7 +49,7 @@ void Middle::step(State& state, Forces& forces, const StepSettings& settings, bo
     }
     std::optional<Matrix3> kinetic;
     if (observe) {
-        kinetic = kinetic_tensor(particles);
+        kinetic = kinetic_tensor(particles, settings.shear_rate);
     }
     leave_middle(state, settings);
     drift(state, settings, 0.5 * settings.timestep);

@@ -22,6 +22,7 @@ SweepSettings sweep_settings(const State& state, const StepSettings& settings, d
     sweep.rate = settings.collision_rate;
     sweep.seed = settings.seed;
     sweep.step = state.step;
+    sweep.shear_rate = settings.shear_rate;
     sweep.stream = stream;
     sweep.strong_noise = settings.precision == Precision::reference;
     return sweep;
@@ -86,7 +87,7 @@ void Splitting::step(State& state, Forces& forces, const StepSettings& settings,
             sweep(state, settings, timestep * settings.thermostat_every, Stream::sweep_words, false, observe);
         }
         if (observe) {
-            kinetic = kinetic_tensor(particles);
+            kinetic = kinetic_tensor(particles, settings.shear_rate);
         }
         leave_middle(state, settings);
         drift(state, settings, 0.5 * timestep);

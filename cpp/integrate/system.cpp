@@ -2,6 +2,7 @@
 #include "integrate/system.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "integrate/equilibration.hpp"
@@ -25,6 +26,23 @@ void System::set_cell_width(double width) {
 
 void System::set_bonded(BondedForces terms, Exclusions exclusions) {
     forces.set_bonded(std::move(terms), std::move(exclusions));
+    path_chosen_ = false;
+    fluid_.reset();
+    ready = false;
+}
+
+void System::add_field(std::unique_ptr<ExternalField> field) {
+    forces.add(std::move(field));
+    path_chosen_ = false;
+    fluid_.reset();
+    ready = false;
+}
+
+void System::set_flight(std::shared_ptr<const Flight> flight) {
+    if (settings.flight) {
+        throw std::invalid_argument("walls and a magnetic field cannot act together");
+    }
+    settings.flight = std::move(flight);
     path_chosen_ = false;
     fluid_.reset();
     ready = false;

@@ -6,6 +6,8 @@
 #include <string>
 
 #include "core/state.hpp"
+#include "external/external_field.hpp"
+#include "external/flight.hpp"
 #include "fast/fluid.hpp"
 #include "forces/forces.hpp"
 #include "integrate/integrator.hpp"
@@ -30,6 +32,11 @@ class System {
 
     // Takes bonded terms, and the pairs of beads whose pair forces they replace.
     void set_bonded(BondedForces terms, Exclusions exclusions);
+
+    // Adds an external field; sets how beads move between kicks, which one thing alone may. The second throws
+    // std::invalid_argument where something does already.
+    void add_field(std::unique_ptr<ExternalField> field);
+    void set_flight(std::shared_ptr<const Flight> flight);
 
     // How steps are computed: "fast", or why not in words.
     [[nodiscard]] std::string plan();
