@@ -122,6 +122,9 @@ def _term(line: ExternalLine, field: Field, units: EnergyUnit, imcon: int, notes
         notes.warning(
             f"oshr with n = {numbers[1]:g}: the force jumps at the cell's face unless n is a whole number", where
         )
+    if line.key == "zbnd" and imcon not in (0, 6):
+        text = "zbnd in a cell that is periodic along z: a bead that crosses the face is far beyond z0 on the other side"
+        notes.warning(text, where)
     if line.key == "sphr":
         if not (numbers[2] > 0.0 and 0.0 <= numbers[3] < numbers[1]):
             raise refusal("needs n above 0 and Rcut from 0 to below R0")
