@@ -447,7 +447,7 @@ class System:
         walled: typing.Annotated[collections.abc.Sequence[bool], "FixedSize(3)"],
         distance: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
         strengths: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
-        range: typing.SupportsFloat | typing.SupportsIndex,
+        reach: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None:
         """
         A soft repulsion before the walls; see cpp/external/soft_walls.hpp.

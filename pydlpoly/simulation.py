@@ -66,14 +66,15 @@ class Observation:
     pressure in katm; in scenes with ``units dpd`` both are reduced (k_B = 1).
 
     Attributes:
-        energy: by component: "pair", "bond", "angle", "dihedral", "inversion", "tether", "field" (external fields and walls
-            that have an energy), "potential" (all of these), "kinetic", "total" (potential and kinetic) and "thermostat" (what hoover's variable holds; its sum
-            with total is conserved. With npt and nst what the piston holds, and P V of the target).
+        energy: by component: "pair", "bond", "angle", "dihedral", "inversion", "tether", "field" (of external fields
+            and walls), "potential" (all of these), "kinetic", "total" (potential and kinetic) and "thermostat" (what
+            hoover's variable holds; its sum with total is conserved. With npt and nst what the piston holds, and P V of
+            the target).
         stress: (3, 3) pressure tensor in the pressure unit, all parts.
         stress_parts: the same by part: "kinetic", "conservative" (pairs), "drag", "noise", "bonded".
         virial: −Σ r·F of all forces; ``pair_virial``: of the conservative pair forces alone.
-        momentum: (3,) total momentum in Da Å/ps.
-        In a sheared cell temperature, kinetic stress and momentum are of the velocities relative to the flow.
+        momentum: (3,) total momentum in Da Å/ps; in a sheared cell it, the temperature and the kinetic stress are of
+            velocities relative to the flow.
         bonded_virial: −Σ r·F by component: "bond", "angle", "dihedral", "inversion", "tether".
     """
 
@@ -297,8 +298,8 @@ class Simulation:
     def displacements(self) -> FloatArray:
         """Return how far every bead is from where it started, (N, 3) in Å, followed across cell boundaries.
 
-        Where the cell has changed, the places of the start are scaled with it, as in DL_POLY. In a sheared cell the flow
-        is part of the displacement along x.
+        Where the cell has changed, the places of the start are scaled with it, as in DL_POLY. In a sheared cell the
+        flow is part of the displacement along x.
         """
         system, cell, start = self._engine.system, self.cell, self.start_positions
         if self.scene.dynamics.shear_rate == 0.0 and not np.array_equal(cell, self.start_cell):

@@ -121,8 +121,6 @@ def test_pois_pushes_the_halves_apart() -> None:
     np.testing.assert_array_equal(single_point(scene).forces, [[0.6, 0, 0], [-0.6, 0, 0]])
 
 
-
-
 def test_sphr_has_the_slope_of_its_energy() -> None:
     rng = np.random.default_rng(4)
     positions = rng.uniform(-2.5, 2.5, (40, 3))
@@ -190,7 +188,9 @@ def test_curvature_is_the_derivative_of_the_force(extern: str) -> None:
 
 
 def slabs() -> Scene:
-    return make_scene({"A": 200}, cell=[5.0, 5.0, 5.0], imcon=6, extern="shrx 1.2 2.0", control={"timestep": "0.005 internal_t"})
+    return make_scene(
+        {"A": 200}, cell=[5.0, 5.0, 5.0], imcon=6, extern="shrx 1.2 2.0", control={"timestep": "0.005 internal_t"}
+    )
 
 
 def test_shrx_moves_the_slabs_and_drags_the_fluid_between(tmp_path: Path) -> None:
@@ -238,7 +238,11 @@ def test_charges_without_a_field_cost_and_do_nothing() -> None:
 @pytest.mark.parametrize(
     ("extern", "imcon", "message"),
     [
-        ("xpis 1 2 3", 2, "this external field is not modelled; elec, grav, magn, osel, oshr, pois, shrx, sphr, zbnd are"),
+        (
+            "xpis 1 2 3",
+            2,
+            "this external field is not modelled; elec, grav, magn, osel, oshr, pois, shrx, sphr, zbnd are",
+        ),
         ("zres 1 2 3 4 5", 2, "this external field is not modelled"),
         ("zrs- 1 2 3 4 5", 2, "this external field is not modelled"),
         ("zrs+ 1 2 3 4 5", 2, "this external field is not modelled"),

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import ArrayLike
 
 from pydlpoly import Scene, Simulation, single_point
-from pydlpoly.errors import SceneError
+from pydlpoly.errors import InputError, SceneError
 from tests.scene_builder import NVE, make_scene
 
 START, VELOCITY = np.array([0.3, -0.4, 0.5]), np.array([1.0, -0.7, 3.1])
@@ -61,7 +61,7 @@ def test_a_bead_bounces_back_along_its_path() -> None:
 def test_many_bounces_in_one_step_and_corners() -> None:
     scene = make_scene(
         {"A": 1}, (), cell=4.0, positions=[[1.5, 1.5, 0.0]], velocities=[[25.0, 25.0, 0.0]],
-        control=NVE | {"fixed_com": "off", "wall_method": "reflecting", "wall_axes": "xyz", "timestep": "1.0 internal_t"},
+        control=NVE | {"fixed_com": "off", "wall_method": "reflecting", "wall_axes": "xyz", "timestep": "1 internal_t"},
     )  # fmt: skip
     simulation = Simulation(scene, seed=1, threads=1)
     simulation.run(7)
@@ -95,7 +95,12 @@ def test_a_gas_between_walls_is_uniform_and_none_escapes(method: str) -> None:
 
 
 def soft(positions: ArrayLike, **more: str) -> Scene:
-    control = NVE | {"wall_method": "soft", "wall_axes": "xz", "wall_strength": "[ 20.0 35.0 ] dpd_f", "wall_range": "1.5 ang"}
+    control = NVE | {
+        "wall_method": "soft",
+        "wall_axes": "xz",
+        "wall_strength": "[ 20.0 35.0 ] dpd_f",
+        "wall_range": "1.5 ang",
+    }
     places = np.asarray(positions)
     return make_scene({"A": len(places) // 2, "B": len(places) - len(places) // 2}, (), cell=[5.0, 6.0, 7.0],
                       positions=places, control=control | more)  # fmt: skip
@@ -119,16 +124,20 @@ def test_soft_walls_have_the_slope_of_their_energy() -> None:
             assert point.forces[bead, axis] == pytest.approx((ends[1] - ends[0]) / 2e-6, abs=1e-6)
 
 
-def test_soft_walls_conserve_energy_and_hold_fast_beads() -> None:
+@pytest.mark.parametrize(("speed", "error"), [(1.0, 2e-5), (6.0, 1e-2)])
+def test_soft_walls_conserve_energy_and_hold_fast_beads(speed: float, error: float) -> None:
+    """Fast beads come through the repulsion to the face, where the force jumps and the energy is kept less well."""
     rng = np.random.default_rng(3)
     scene = soft(rng.uniform(-1.0, 1.0, (40, 3)), wall_axes="xyz", timestep="0.002 internal_t", fixed_com="off")
     simulation = Simulation(scene, seed=3, threads=1)
-    simulation.set_state(velocities=rng.normal(0.0, 6.0, (40, 3)))  # some have more than the wall's 15
-    before = simulation.energy["total"]
+    simulation.set_state(velocities=rng.normal(0.0, speed, (40, 3)))
+    before, held = simulation.energy["total"], 0.0
     for _ in range(40):
         simulation.run(50)
         assert np.all(np.abs(simulation.state.positions) <= [2.5, 3.0, 3.5])
-    assert simulation.energy["total"] == pytest.approx(before, rel=2e-3)  # the force jumps at the face
+        held = max(held, simulation.energy["field"])
+    assert held > 0.05 * before
+    assert simulation.energy["total"] == pytest.approx(before, rel=error)
 
 
 def test_one_strength_serves_all_species_and_the_range_has_a_default() -> None:
@@ -204,7 +213,11 @@ def test_frozen_walls_hold_the_fluid_and_its_flow() -> None:
         ({}, {"imcon": 6}, "'wall_method': walls need a cubic or orthorhombic cell (imcon 1 or 2), not imcon 6"),
         ({"ensemble_dpd_order": "scvv"}, {}, "'wall_method': scvv is not modelled with walls"),
         ({"ensemble_dpd_lambda": "0.65"}, {}, "'ensemble_dpd_lambda': walls go with lambda 0.5 only"),
-        ({"wall_position": "2.6 ang"}, {}, "'wall_position': walls stand above 0 and up to half the cell's edge (2.5 ang)"),
+        (
+            {"wall_position": "2.6 ang"},
+            {},
+            "'wall_position': walls stand above 0 and up to half the cell's edge (2.5 ang)",
+        ),
         ({"wall_position": "1.0 ang"}, {}, "is beyond a wall (wall_method)"),
         ({"wall_method": "soft"}, {}, "'wall_method': soft walls need wall_strength"),
         ({"wall_method": "soft", "wall_strength": "[ 1.0 2.0 ] dpd_f"}, {}, "2 numbers for 1 species (A)"),
@@ -214,7 +227,7 @@ def test_frozen_walls_hold_the_fluid_and_its_flow() -> None:
     ],
 )
 def test_what_walls_do_not_go_with_is_refused(control: dict, settings: dict, message: str) -> None:
-    with pytest.raises(Exception, match=".") as error:
+    with pytest.raises(InputError) as error:
         make_scene({"A": 60}, cell=5.0, control={"wall_method": "reflecting"} | control, **settings)
     assert message in str(error.value)
 

@@ -255,7 +255,7 @@ void bind_system(py::module_& m) {
                         "soft walls need one strength a species");
                 s.add_field(std::make_unique<SoftWalls>(WallPlanes{walled, distance}, std::move(strengths), range));
             },
-            py::arg("walled"), py::arg("distance"), py::arg("strengths"), py::arg("range"),
+            py::arg("walled"), py::arg("distance"), py::arg("strengths"), py::arg("reach"),
             "A soft repulsion before the walls; see cpp/external/soft_walls.hpp.")
         .def(
             "set_bonded",

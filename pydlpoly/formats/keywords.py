@@ -226,7 +226,8 @@ _ENSEMBLE = (
 )  # fmt: skip
 
 _FORCES = (
-    _option("wall_method", "off reflecting bounce-back soft", "off", "walls across axes of the cell; external-fields.md"),
+    _option("wall_method", "off reflecting bounce-back soft", "off",
+            "walls across axes of the cell; external-fields.md"),
     _option("wall_axes", "x y z xy xz yz xyz", "z", "axes that the walls are across"),
     _float("wall_position", "length", "0.0 ang",
            "distance of the walls from the cell's centre; not given: they are the cell's faces"),

@@ -341,9 +341,8 @@ def settle_momentum(
     """Return the dynamics with ``remove_drift`` settled, and the number of degrees of freedom.
 
     The three momenta of the centre of mass do not count when they are 0 and stay 0: under nve because the drift is
-    removed, under the DPD thermostat, which conserves them by itself, unless frozen beads, walls or external fields feed
-    them.
-    Langevin dynamics feeds them in every step, so that there, too, the drift is removed.
+    removed, under the DPD thermostat, which conserves them by itself, unless frozen beads, walls or external fields
+    feed them. Langevin dynamics feeds them in every step, so that there, too, the drift is removed.
     """
     mobile = int(np.count_nonzero(~layout.frozen))
     disturbed = bool(external) or walls is not None or mobile < len(layout.frozen)

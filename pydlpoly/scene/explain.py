@@ -330,10 +330,12 @@ _FIELDS: dict[str, Callable[[_Words, tuple[float, ...]], str]] = {
         f"F = q E sin(2 pi f t) with E = {_vector(p)} in internal units, f = {p[3]:g}{word.time and ' 1/ps'}"
     ),
     "magn": lambda _, p: f"F = q v x H with H = {_vector(p)} in internal units, along exact helices",
-    "shrx": lambda word, p: f"vx = sign(z) A/2 for |z| > z0 with A = {p[0]:g}{word.velocity}, z0 = {p[1]:g}{word.length}",
+    "shrx": lambda word, p: (
+        f"vx = sign(z) A/2 for |z| > z0 with A = {p[0]:g}{word.velocity}, z0 = {p[1]:g}{word.length}"
+    ),
     "sphr": lambda word, p: (
-        f"U = A (R0 - r)^-n for r > Rcut with A = {p[0]:g} in internal units, R0 = {p[1]:g}{word.length}, n = {p[2]:g}, "
-        f"Rcut = {p[3]:g}{word.length}"
+        f"U = A (R0 - r)^-n for r > Rcut with A = {p[0]:g} in internal units, R0 = {p[1]:g}{word.length}, "
+        f"n = {p[2]:g}, Rcut = {p[3]:g}{word.length}"
     ),
     "zbnd": lambda word, p: (
         f"U = A (z - z0)^2/2 {'above' if math.copysign(1.0, p[2]) > 0.0 else 'below'} z0 with A = {p[0]:g} in internal "

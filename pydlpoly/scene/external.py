@@ -123,7 +123,9 @@ def _term(line: ExternalLine, field: Field, units: EnergyUnit, imcon: int, notes
             f"oshr with n = {numbers[1]:g}: the force jumps at the cell's face unless n is a whole number", where
         )
     if line.key == "zbnd" and imcon not in (0, 6):
-        text = "zbnd in a cell that is periodic along z: a bead that crosses the face is far beyond z0 on the other side"
+        text = (
+            "zbnd in a cell that is periodic along z: a bead that crosses the face is far beyond z0 on the other side"
+        )
         notes.warning(text, where)
     if line.key == "sphr":
         if not (numbers[2] > 0.0 and 0.0 <= numbers[3] < numbers[1]):
@@ -139,6 +141,8 @@ def _check_integrator(dynamics: Dynamics, settings: Settings) -> None:
     if dynamics.integrator not in WITH_MAGNETIC_FIELD:
         keyword = "ensemble_dpd_order" if settings.given("ensemble_dpd_order") else "ensemble_method"
         names = ", ".join(WITH_MAGNETIC_FIELD)
-        raise settings.refusal(keyword, f"{dynamics.integrator} is not modelled with the field magn; these are: {names}")
+        raise settings.refusal(
+            keyword, f"{dynamics.integrator} is not modelled with the field magn; these are: {names}"
+        )
     if dynamics.integrator == "mdvv" and dynamics.prediction != 0.5:
         raise settings.refusal("ensemble_dpd_lambda", "the field magn goes with lambda 0.5 only: it turns velocities")

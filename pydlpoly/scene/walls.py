@@ -99,7 +99,9 @@ def _softness(
         raise settings.refusal("wall_method", "soft walls need wall_strength: one number, or one for each species")
     strengths = settings.vector("wall_strength")
     if len(strengths) not in (1, len(species)):
-        message = f"{len(strengths)} numbers for {len(species)} species ({', '.join(species)}); expected one, or one each"
+        message = (
+            f"{len(strengths)} numbers for {len(species)} species ({', '.join(species)}); expected one, or one each"
+        )
         raise settings.refusal("wall_strength", message)
     if not all(math.isfinite(x) and x >= 0.0 for x in strengths):
         raise settings.refusal("wall_strength", "the strength of a soft wall must be finite and not negative")

@@ -52,9 +52,10 @@ def test_every_used_keyword_is_asked_for(make, readings):
     make(control={"temperature_amplitude": "0.5 dpd_temp", "temperature_period": "1 dpd_t"}).scene()
     piston = {"ensemble": "nst", "ensemble_barostat_friction": "1 dpd_t^-1"}
     make(control={**piston, "ensemble_semi_isotropic": "tension", "ensemble_tension": "1 dpd_f/dpd_l"}).scene()
+    make(control={"wall_method": "soft", "wall_strength": "[ 25 ] dpd_f"}).scene()
     consumed = set().union(*(settings.consumed for settings in readings))
     used = {row.keyword for row in KEYWORDS.values() if is_used(row)}
-    assert len(readings) == 8 + len(orders)
+    assert len(readings) == 9 + len(orders)
     assert used - consumed == set()
     assert consumed - used - {"coul_method"} == set()  # nothing that the table calls ignored or refused is read
 
