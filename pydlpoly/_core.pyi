@@ -378,6 +378,10 @@ class StepSettings:
     @seed.setter
     def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
     @property
+    def shear_rate(self) -> float: ...
+    @shear_rate.setter
+    def shear_rate(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
     def thermal_energy(self) -> float: ...
     @thermal_energy.setter
     def thermal_energy(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -433,8 +437,21 @@ class System:
         settings: StepSettings,
     ) -> None: ...
     def add_external_field(
-        self, key: str, parameters: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]
+        self,
+        key: str,
+        parameters: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        charges: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [],
     ) -> None: ...
+    def add_soft_walls(
+        self,
+        walled: typing.Annotated[collections.abc.Sequence[bool], "FixedSize(3)"],
+        distance: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        strengths: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        reach: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None:
+        """
+        A soft repulsion before the walls; see cpp/external/soft_walls.hpp.
+        """
     def configurational(self) -> tuple[float, float]:
         """
         Σ|∇U|² and Σ∇²U over the mobile beads at the present positions.
@@ -543,6 +560,8 @@ class System:
     @property
     def drag_virial_tensor(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]: ...
     @property
+    def field_energy(self) -> float: ...
+    @property
     def forces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]: ...
     @forces.setter
     def forces(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None: ...
@@ -551,7 +570,10 @@ class System:
     @images.setter
     def images(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> None: ...
     @property
-    def kinetic_tensor(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]: ...
+    def kinetic_tensor(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]:
+        """
+        Σ m v_a v_b, of velocities relative to the flow in a sheared cell.
+        """
     @property
     def momentum(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
     @property

@@ -408,6 +408,8 @@ class Calculator(AseCalculator):
         if self._scene.external:
             keys = ", ".join(term.key for term in self._scene.external)
             raise SceneError(f"a calculator cannot have external fields ({keys}): their forces have no energy")
+        if self._scene.walls is not None or self._scene.dynamics.shear_rate != 0.0:
+            raise SceneError("a calculator cannot have walls or a sheared cell: ASE moves the beads itself")
         return self._scene
 
 

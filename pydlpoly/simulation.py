@@ -66,14 +66,16 @@ class Observation:
     pressure in katm; in scenes with ``units dpd`` both are reduced (k_B = 1).
 
     Attributes:
-        energy: by component: "pair", "bond", "angle", "dihedral", "inversion", "tether", "potential" (all of these),
-            "kinetic", "total" (potential and kinetic) and "thermostat" (what hoover's variable holds; its sum
-            with total is conserved. With npt and nst what the piston holds, and P V of the target).
+        energy: by component: "pair", "bond", "angle", "dihedral", "inversion", "tether", "field" (of external fields
+            and walls), "potential" (all of these), "kinetic", "total" (potential and kinetic) and "thermostat" (what
+            hoover's variable holds; its sum with total is conserved. With npt and nst what the piston holds, and P V of
+            the target).
         stress: (3, 3) pressure tensor in the pressure unit, all parts.
         stress_parts: the same by part: "kinetic", "conservative" (pairs), "drag", "noise", "bonded", and
             "constraint" where distances are fixed.
         virial: −Σ r·F of all forces; ``pair_virial``: of the conservative pair forces alone.
-        momentum: (3,) total momentum in Da Å/ps.
+        momentum: (3,) total momentum in Da Å/ps; in a sheared cell it, the temperature and the kinetic stress are of
+            velocities relative to the flow.
         bonded_virial: −Σ r·F by component: "bond", "angle", "dihedral", "inversion", "tether".
         constraint_virial: −Σ r·F of the forces that keep distances fixed.
     """
@@ -101,7 +103,8 @@ class SinglePoint:
 
     Attributes:
         energy: by component, internal units: "pair" (with the long-range correction and scaled 1-4 pairs), "bond",
-            "angle", "dihedral", "inversion", "tether", "charge" (0: charges are not modelled) and "total".
+            "angle", "dihedral", "inversion", "tether", "charge" (0: charges are not modelled), "field" (external fields
+            and walls) and "total".
         forces: (N, 3), Da Å/ps²; frozen beads feel none.
         stress: (3, 3) configurational pressure tensor Σ F_a r_b / V, internal pressure (Da/(Å ps²)); a repulsion is
             positive.
@@ -300,10 +303,11 @@ class Simulation:
     def displacements(self) -> FloatArray:
         """Return how far every bead is from where it started, (N, 3) in Å, followed across cell boundaries.
 
-        Where the cell has changed, the places of the start are scaled with it, as in DL_POLY.
+        Where the cell has changed, the places of the start are scaled with it, as in DL_POLY. In a sheared cell the
+        flow is part of the displacement along x.
         """
         system, cell, start = self._engine.system, self.cell, self.start_positions
-        if not np.array_equal(cell, self.start_cell):
+        if self.scene.dynamics.shear_rate == 0.0 and not np.array_equal(cell, self.start_cell):
             start = start @ np.linalg.inv(self.start_cell) @ cell
         return np.asarray(system.positions + system.images @ cell - start)
 
@@ -487,6 +491,7 @@ class Simulation:
         system.velocities = arrays["velocities"]
         system.thermostat = arrays["thermostat"].tolist()
         self._engine.initialise()
+        system.velocities = arrays["velocities"]  # of the whole step; some fields prescribe others between its kicks
         # The stored forces and totals hold the drag of the half-step velocities, which are gone.
         self._stored_totals = Totals(
             **{name: np.asarray(arrays[f"totals.{name}"]) for name in ("conservative", "drag", "noise", "kinetic")},
@@ -497,6 +502,7 @@ class Simulation:
             bonded=arrays["totals.bonded"],
             thermostat_energy=float(arrays["totals.thermostat_energy"]),
             constraint=arrays.get("totals.constraint", np.zeros((3, 3))),
+            field_energy=float(arrays.get("totals.field_energy", 0.0)),
         )
         system.forces = arrays["forces"]
         system.images = arrays["images"]
@@ -529,7 +535,7 @@ def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Obse
     if scene.constraints is not None:
         parts["constraint"] = totals.constraint
     bonded = dict(zip(get_args(BondedKind), totals.bonded_energies.tolist(), strict=True))
-    potential = totals.pair_energy + sum(bonded.values())
+    potential = totals.pair_energy + sum(bonded.values()) + totals.field_energy
     factor = scene.units.pressure_factor / totals.volume
     stress_parts = {name: tensor * factor for name, tensor in parts.items()}
     stress = np.sum(list(stress_parts.values()), axis=0)
@@ -541,6 +547,7 @@ def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Obse
         energy={
             "pair": totals.pair_energy,
             **bonded,
+            "field": totals.field_energy,
             "potential": potential,
             "kinetic": kinetic,
             "total": potential + kinetic,
@@ -581,7 +588,8 @@ def single_point(scene: Scene, *, threads: int | None = None) -> SinglePoint:
             "pair": totals.pair_energy,
             **bonded,
             "charge": 0.0,
-            "total": totals.pair_energy + sum(bonded.values()),
+            "field": totals.field_energy,
+            "total": totals.pair_energy + sum(bonded.values()) + totals.field_energy,
         },
         forces=np.asarray(engine.system.forces),
         stress=virial / totals.volume,

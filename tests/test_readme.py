@@ -110,7 +110,7 @@ def test_bonded_terms() -> None:
         ("pair laws", "FIELD", "dpd  25.0", "mdpd 25.0", "not a pair law"),
         ("cross terms", "FIELD", "  4.5\n", "\n", "needs a drag for every pair"),
         ("cells", "CONFIG", "\n0 1 3000", "\n0 4 3000", "imcon 4 .* is not supported"),
-        ("external fields", "FIELD", "close", "extern\nelec 1 0 0\nclose", "not modelled"),
+        ("external fields", "FIELD", "close", "extern\nxpis 1 2 3\nclose", "not modelled"),
         ("many-body terms", "FIELD", "close", "metal 1\nW W stch 1 1 1 1 1\nclose", "not modelled"),
         ("precision, threads", "CONTROL", "timestep ", "precision single\ntimestep ", "no option of precision"),
         (

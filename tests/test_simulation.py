@@ -45,7 +45,7 @@ def by_hand(scene: pydlpoly.Scene) -> tuple[float, FloatArray, FloatArray]:
 def test_single_point(scene: pydlpoly.Scene) -> None:
     point = single_point(scene, threads=1)
     energy, forces, virial = by_hand(scene)
-    assert set(point.energy) == {"pair", "bond", "angle", "dihedral", "inversion", "tether", "charge", "total"}
+    assert set(point.energy) == {"pair", "bond", "angle", "dihedral", "inversion", "tether", "charge", "field", "total"}
     assert point.energy["pair"] == pytest.approx(energy, rel=1e-12)
     assert point.energy["total"] == sum(point.energy[k] for k in point.energy if k != "total")
     np.testing.assert_allclose(point.forces, forces, rtol=1e-10, atol=1e-10)

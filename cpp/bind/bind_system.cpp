@@ -12,6 +12,9 @@
 
 #include "bind/bind.hpp"
 #include "core/threads.hpp"
+#include "external/hard_walls.hpp"
+#include "external/magnetic_field.hpp"
+#include "external/soft_walls.hpp"
 #include "integrate/equilibration.hpp"
 #include "integrate/nose_hoover.hpp"
 #include "integrate/piston.hpp"
@@ -216,18 +219,44 @@ void bind_system(py::module_& m) {
         .def_readwrite("equilibration_steps", &StepSettings::equilibration_steps)
         .def_readwrite("rescale_every", &StepSettings::rescale_every)
         .def_readwrite("regauss_every", &StepSettings::regauss_every)
-        .def_readwrite("barostat", &StepSettings::barostat);
+        .def_readwrite("barostat", &StepSettings::barostat)
+        .def_readwrite("shear_rate", &StepSettings::shear_rate);
 
     py::class_<System>(m, "System", "State, forces and integrator of one simulation.")
         .def(py::init(&make_system), py::arg("cell"), py::arg("periodic"), py::arg("positions"), py::arg("velocities"),
              py::arg("mass"), py::arg("species"), py::arg("frozen"), py::arg("pairs"), py::arg("settings"))
         .def(
             "add_external_field",
-            [](System& s, const std::string& key, const std::vector<double>& parameters) {
-                s.forces.add(make_external_field(key, parameters));
-                s.ready = false;
+            [](System& s, const std::string& key, const std::vector<double>& parameters, std::vector<double> charges) {
+                require(charges.empty() || charges.size() == s.state.particles.mass.size(),
+                        "there must be one charge a bead");
+                if (key == "magn") {
+                    require(parameters.size() >= 3, "the external field magn needs three numbers: Hx Hy Hz");
+                    require(!charges.empty(), "the external field magn needs the charges of the beads");
+                    s.set_flight(std::make_shared<MagneticField>(Vector3(parameters[0], parameters[1], parameters[2]),
+                                                                 std::move(charges)));
+                    return;
+                }
+                s.add_field(make_external_field(key, parameters, std::move(charges)));
             },
-            py::arg("key"), py::arg("parameters"))
+            py::arg("key"), py::arg("parameters"), py::arg("charges") = std::vector<double>())
+        .def(
+            "set_walls",
+            [](System& s, std::array<bool, 3> walled, const Vector3& distance, bool bounce_back) {
+                s.set_flight(std::make_shared<HardWalls>(WallPlanes{walled, distance}, bounce_back));
+            },
+            py::arg("walled"), py::arg("distance"), py::arg("bounce_back"),
+            "Hard walls across these axes at these distances from the origin on both sides.")
+        .def(
+            "add_soft_walls",
+            [](System& s, std::array<bool, 3> walled, const Vector3& distance, std::vector<double> strengths,
+               double range) {
+                require(strengths.size() == static_cast<std::size_t>(s.forces.pairs().table().species()),
+                        "soft walls need one strength a species");
+                s.add_field(std::make_unique<SoftWalls>(WallPlanes{walled, distance}, std::move(strengths), range));
+            },
+            py::arg("walled"), py::arg("distance"), py::arg("strengths"), py::arg("reach"),
+            "A soft repulsion before the walls; see cpp/external/soft_walls.hpp.")
         .def(
             "set_bonded",
             [](System& s, BondedForces& terms, const std::vector<std::pair<std::uint32_t, std::uint32_t>>& excluded) {
@@ -271,7 +300,7 @@ void bind_system(py::module_& m) {
              })
         .def("remove_drift",
              [](System& s) {
-                 remove_drift(s.state.particles);
+                 remove_drift(s.state.particles, s.settings.shear_rate);
                  s.ready = false;
              })
         .def("set_cell_width", &System::set_cell_width, py::arg("width"),
@@ -369,7 +398,10 @@ void bind_system(py::module_& m) {
             "Largest difference between a constrained distance and its length.")
         .def_property_readonly(
             "kinetic_tensor",
-            [](const System& s) { return s.totals.kinetic ? *s.totals.kinetic : kinetic_tensor(s.state.particles); })
+            [](const System& s) {
+                return s.totals.kinetic ? *s.totals.kinetic : kinetic_tensor(s.state.particles, s.settings.shear_rate);
+            },
+            "Σ m v_a v_b, of velocities relative to the flow in a sheared cell.")
         .def(
             "configurational",
             [](System& s) {
@@ -383,7 +415,9 @@ void bind_system(py::module_& m) {
                 return thermostat_energy(s.state, s.settings) + barostat_energy(s.state, s.settings);
             },
             "What a Nosé–Hoover thermostat adds to the conserved energy, or a piston to the energy: its own and P V.")
-        .def_property_readonly("momentum", [](const System& s) { return momentum(s.state.particles); })
+        .def_property_readonly("field_energy", [](const System& s) { return s.forces.field_energy(); })
+        .def_property_readonly("momentum",
+                               [](const System& s) { return momentum(s.state.particles, s.settings.shear_rate); })
         .def_property_readonly("cell_counts", [](System& s) { return s.forces.pairs().cells().counts(); })
         .def("enable_distances", &System::enable_distances, py::arg("reach"), py::arg("bins"), py::arg("every"),
              py::arg("after") = 0)

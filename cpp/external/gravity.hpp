@@ -16,12 +16,13 @@ class Gravity final : public ExternalField {
         acceleration_ = {parameters[0], parameters[1], parameters[2]};
     }
 
-    void add(const Box& /*box*/, Particles& particles) const override {
+    double add(const Box& /*box*/, Particles& particles, double /*time*/) const override {
         for (Eigen::Index i = 0; i < particles.count(); ++i) {
             if (particles.frozen[static_cast<std::size_t>(i)] == 0) {
                 particles.force.row(i) += particles.mass[static_cast<std::size_t>(i)] * acceleration_.transpose();
             }
         }
+        return 0.0;
     }
 
   private:

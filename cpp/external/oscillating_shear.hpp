@@ -18,13 +18,14 @@ class OscillatingShear final : public ExternalField {
         waves_ = parameters[1];
     }
 
-    void add(const Box& box, Particles& particles) const override {
+    double add(const Box& box, Particles& particles, double /*time*/) const override {
         const double wave_number = 2.0 * pi * waves_ / box.cell()(2, 2);
         for (Eigen::Index i = 0; i < particles.count(); ++i) {
             if (particles.frozen[static_cast<std::size_t>(i)] == 0) {
                 particles.force(i, 0) += amplitude_ * std::cos(wave_number * particles.position(i, 2));
             }
         }
+        return 0.0;
     }
 
   private:

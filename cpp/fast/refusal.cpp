@@ -59,6 +59,12 @@ std::string refusal(const Box& box, const Particles& particles, const PairTable&
     if (settings.barostat.acts()) {
         return "the cell follows the pressure";
     }
+    if (settings.shear_rate != 0.0) {
+        return "the cell is sheared";
+    }
+    if (settings.flight) {
+        return "beads do not fly along straight lines";
+    }
     if (has_external_fields) {
         return "there is an external field";
     }

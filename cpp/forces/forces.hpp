@@ -43,14 +43,30 @@ class Forces {
                 totals.conservative += bonded_totals_.virial[bonded::scaled_pairs];
             }
         }
+        double field_energy = 0.0;
         for (const auto& field : fields_) {
-            field->add(box, particles);
+            field_energy += field->add(box, particles, request.time);
+        }
+        if (request.observe) {
+            field_energy_ = field_energy;
         }
     }
 
-    // Σ ∂²U/∂x² over the coordinates of all mobile beads; external fields have none.
+    // Sets the velocities that fields prescribe.
+    void steer(Particles& particles) const {
+        for (const auto& field : fields_) {
+            field->steer(particles);
+        }
+    }
+
+    // Σ ∂²U/∂x² over the coordinates of all mobile beads.
     [[nodiscard]] double curvature(const Box& box, const Particles& particles) {
-        return pairs_.curvature(box, particles) + (bonded_ ? bonded_->curvature(box, particles, pairs_.table()) : 0.0);
+        double sum =
+            pairs_.curvature(box, particles) + (bonded_ ? bonded_->curvature(box, particles, pairs_.table()) : 0.0);
+        for (const auto& field : fields_) {
+            sum += field->curvature(particles);
+        }
+        return sum;
     }
 
     [[nodiscard]] PairForces& pairs() noexcept { return pairs_; }
@@ -65,6 +81,8 @@ class Forces {
     [[nodiscard]] BondedTotals& bonded_totals() noexcept { return bonded_totals_; }
     [[nodiscard]] const BondedTotals& bonded_totals() const noexcept { return bonded_totals_; }
     [[nodiscard]] bool has_fields() const noexcept { return !fields_.empty(); }
+    // Of the last observed step.
+    [[nodiscard]] double field_energy() const noexcept { return field_energy_; }
 
   private:
     PairForces pairs_;
@@ -72,6 +90,7 @@ class Forces {
     std::optional<Constraints> constraints_;
     BondedTotals bonded_totals_;
     std::vector<std::unique_ptr<ExternalField>> fields_;
+    double field_energy_ = 0.0;
 };
 
 }  // namespace dlpoly

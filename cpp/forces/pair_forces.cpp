@@ -148,6 +148,11 @@ void PairForces::gather_motion(const Array3N& velocity, const ForceRequest& requ
         const auto id = static_cast<Eigen::Index>(order[k]);
         motion_[k] = {velocity(id, 0), velocity(id, 1), velocity(id, 2), bead_word(order[k], word_key.data())};
     }
+    if (request.shear_rate != 0.0) {
+        for (std::size_t k = 0; k < order.size(); ++k) {
+            motion_[k].x -= request.shear_rate * list_.beads()[k].y;
+        }
+    }
 }
 
 void PairForces::spread_forces(Particles& particles, double unit, [[maybe_unused]] int threads) const {
@@ -285,6 +290,9 @@ void PairForces::finish_batch(const PairWalk& walk, PairWorker& worker) {
     const bool motion = walk.motion && table_.drags()[batch.term].drag > 0.0;
     if (motion) {
         evaluate_motion(batch, result, walk.request);
+        if (walk.request.shear_rate != 0.0 && walk.request.drag) {
+            add_drag_of_shear(batch, result, walk.request);
+        }
     }
     bool fits = phases_->round(batch, result, motion, walk.scale);
     if (fits) {
@@ -352,6 +360,25 @@ void PairForces::evaluate_motion(const PairBatch& batch, BatchResult& result, co
                                                                 static_cast<std::uint32_t>(motion_[j].word), image);
             result.noise.values[k] = pair.noise * weight * zeta * request.inverse_root_timestep / distance;
         }
+    }
+}
+
+// The drag of the flow in a sheared cell. The batch's drag is that of velocities relative to the flow, which are the
+// same for all images of a bead; the flow itself differs by rate · (y_i − y_j) between a bead and the image it meets.
+void PairForces::add_drag_of_shear(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const {
+    const PairDrag& pair = table_.drags()[batch.term];
+    const std::size_t whole = (batch.size + batch_lanes - 1) / batch_lanes * batch_lanes;
+    for (std::size_t k = 0; k < whole; ++k) {
+        const double squared = batch.distance_squared.values[k];
+        const double distance = std::sqrt(squared);
+        if (!(distance < pair.cutoff) || distance == 0.0 || batch.i.values[k] == batch.j.values[k]) {
+            continue;
+        }
+        const double closeness = 1.0 - distance / pair.cutoff;
+        const double weight =
+            request.weight_exponent == 2.0 ? closeness * closeness : std::pow(closeness, request.weight_exponent);
+        const double projection = request.shear_rate * batch.dx.values[k] * batch.dy.values[k];
+        result.drag.values[k] -= pair.drag * weight * projection / squared;
     }
 }
 

@@ -71,6 +71,7 @@ class PairForces {
     void add_curvature(const PairWalk& walk, PairWorker& worker) const;
     void finish_batch(const PairWalk& walk, PairWorker& worker);
     void evaluate_motion(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const;
+    void add_drag_of_shear(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const;
     void find_worst(const PairWalk& walk, PairWorker& worker) const;
     [[noreturn]] void report_overflow(const PairWorker& worst, std::uint64_t step) const;
 

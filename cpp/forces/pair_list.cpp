@@ -18,22 +18,35 @@ constexpr std::int32_t crossings = 2;
 }  // namespace
 
 bool PairList::refresh(const Box& box, const Particles& particles, int threads) {
-    const std::vector<std::uint32_t>& order = cells_.order();
-    const std::size_t beads = order.size();
-    Vector3 growth = Vector3::Ones();
-    if (beads_.empty() || beads != static_cast<std::size_t>(particles.count()) || box.periodic() != periodic_ ||
-        (box.cell() != cell_ && !fits_scaled(box, growth))) {
+    Deformation deformation;
+    if (beads_.empty() || order().size() != static_cast<std::size_t>(particles.count()) ||
+        box.periodic() != periodic_ || (box.cell() != cell_ && !fits_deformed(box, deformation))) {
         evaluations_ = 0;
         return false;
     }
     if (box.cell() != shift_cell_) {
         number_shifts(box);
     }
-    // Beads that were beyond range and skin may have come nearer by this, for each of the two.
-    const double shrunk = 0.5 * (1.0 - std::min(1.0, growth.minCoeff())) * std::sqrt(limit_squared_);
+    // Beads that were beyond range and skin may have come nearer by this, for each of the two. A slant s shortens no
+    // vector by more than ½|s| of its length.
+    const double shrinkage = 1.0 - std::min(1.0, deformation.growth.minCoeff()) + 0.5 * std::abs(deformation.slant);
+    const double shrunk = 0.5 * shrinkage * std::sqrt(limit_squared_);
     const double allowed = std::max(0.0, allowed_ - shrunk);
     // Without a skin nothing is allowed, but beads that moved little still need no image.
     const double near = std::max(allowed * allowed, 0.0025 * limit_squared_);
+    const double largest = deformation.slant == 0.0 ? follow<false>(box, particles, deformation, near, threads)
+                                                    : follow<true>(box, particles, deformation, near, threads);
+    ++evaluations_;
+    displacement_ = std::sqrt(largest) + shrunk;
+    return displacement_ < allowed_;
+}
+
+template <bool slanted>
+double PairList::follow(const Box& box, const Particles& particles, const Deformation& deformation, double near,
+                        [[maybe_unused]] int threads) {
+    const std::vector<std::uint32_t>& order = cells_.order();
+    const std::size_t beads = order.size();
+    const Vector3 growth = deformation.growth;
     double largest = 0.0;
     const double* position = particles.position.data();
 #ifdef _OPENMP
@@ -42,7 +55,10 @@ bool PairList::refresh(const Box& box, const Particles& particles, int threads) 
     for (std::size_t k = 0; k < beads; ++k) {
         const double* place = position + 3 * std::size_t{order[k]};
         BeadRecord bead{place[0], place[1], place[2], 0};
-        const double dx = bead.x - growth[0] * x_[k];
+        double dx = bead.x - growth[0] * x_[k];
+        if constexpr (slanted) {
+            dx -= deformation.slant * y_[k];
+        }
         const double dy = bead.y - growth[1] * y_[k];
         const double dz = bead.z - growth[2] * z_[k];
         double squared = dx * dx + dy * dy + dz * dz;
@@ -63,22 +79,29 @@ bool PairList::refresh(const Box& box, const Particles& particles, int threads) 
         largest = std::max(largest, squared);
         beads_[k] = bead;
     }
-    ++evaluations_;
-    displacement_ = std::sqrt(largest) + shrunk;
-    return displacement_ < allowed_;
+    return largest;
 }
 
-bool PairList::fits_scaled(const Box& box, Vector3& growth) const {
+bool PairList::fits_deformed(const Box& box, Deformation& deformation) const {
     const Matrix3& cell = box.cell();
-    const Matrix3 edges = cell.diagonal().asDiagonal();
-    const Matrix3 old_edges = cell_.diagonal().asDiagonal();
+    Matrix3 edges = cell.diagonal().asDiagonal();
+    Matrix3 old_edges = cell_.diagonal().asDiagonal();
+    edges(1, 0) = cell(1, 0);
+    old_edges(1, 0) = cell_(1, 0);
     // Images get numbers of their own where a pair can have several, which only a new list finds out.
     if (cell != edges || cell_ != old_edges || cells_.has_several_images() ||
-        !(edges.diagonal().minCoeff() > 2.001 * range_)) {
+        !(box.widths().minCoeff() > 2.001 * range_)) {
         return false;
     }
-    growth = cell.diagonal().cwiseQuotient(cell_.diagonal());
-    return growth.minCoeff() > 0.8 && growth.maxCoeff() < 1.25;
+    deformation.growth = edges.diagonal().cwiseQuotient(old_edges.diagonal());
+    if (cell(1, 0) != 0.0 || cell_(1, 0) != 0.0) {
+        // An offset that jumped by a whole edge gives the numbers of lattice vectors another meaning.
+        const double change = cell(1, 0) - cell_(1, 0);
+        deformation.slant = change / cell(1, 1);
+        return deformation.growth == Vector3::Ones() && std::abs(change) < 0.25 * cell(0, 0) &&
+               std::abs(deformation.slant) < 0.25;
+    }
+    return deformation.growth.minCoeff() > 0.8 && deformation.growth.maxCoeff() < 1.25;
 }
 
 // Numbers lattice vectors so that numbers add as the vectors do.

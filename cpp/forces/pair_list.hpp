@@ -1,9 +1,9 @@
 // The pair list: for every bead the beads that may come within range before any has moved half the skin.
 //
 // It is built from link cells and kept while it is complete: while no bead is farther than half the skin from where it
-// was when the list was built, whole cells that it has crossed since taken off. Where an orthorhombic cell has changed,
-// places are scaled with it, and what the cell has shrunk by is taken off the skin. Pairs are stored by the rows of
-// cells they belong to, sorted by the entry of the pair table; pairs that never act are left out.
+// was when the list was built, whole cells that it has crossed since taken off. Where an orthorhombic cell has changed
+// or tilted along x, places follow it, and what lengths may have shrunk by is taken off the skin. Pairs are stored by
+// the rows of cells they belong to, sorted by the entry of the pair table; pairs that never act are left out.
 #pragma once
 
 #include <array>
@@ -71,8 +71,17 @@ class PairList {
     };
 
     void number_shifts(const Box& box);
-    // Whether the list may serve another cell than the one it was built in; then also by what the edges have grown.
-    [[nodiscard]] bool fits_scaled(const Box& box, Vector3& growth) const;
+    // What the cell did to places since the list was built: x → growth_x x + slant y, y → growth_y y, z → growth_z z.
+    struct Deformation {
+        Vector3 growth = Vector3::Ones();
+        double slant = 0.0;
+    };
+    // Whether the list may serve another cell than the one it was built in; then also how that differs.
+    [[nodiscard]] bool fits_deformed(const Box& box, Deformation& deformation) const;
+    // Takes over positions; returns the largest square of a distance that a bead has come from its place.
+    template <bool slanted>
+    [[nodiscard]] double follow(const Box& box, const Particles& particles, const Deformation& deformation, double near,
+                                int threads);
     void build_row(std::int32_t row, const PairTable& table, const Exclusions& exclusions, Scratch& scratch);
     void find_ranges(std::int32_t cell, Scratch& scratch) const;
     void distribute(std::uint32_t bead, const ListEntry* end, const PairTable& table, const Exclusions& exclusions,

@@ -22,6 +22,8 @@ struct ForceRequest {
     bool gaussian_noise = false;         // one Philox4x32-10 a pair instead of the mix of two beads' words
     std::uint64_t seed = 0;
     std::uint64_t step = 0;
+    double time = 0.0;        // ps; for fields that vary
+    double shear_rate = 0.0;  // of the cell, 1/ps: drag acts on velocities relative to the flow
 };
 
 // What one thread owns while it walks rows of the pair list: a batch, partial totals and the worst pair it met.

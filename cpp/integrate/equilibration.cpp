@@ -19,9 +19,10 @@ void draw_velocities(State& state, const StepSettings& settings, Stream stream, 
         const auto xy = gaussian_pair(draw(settings.seed, stream, state.step, id, 0));
         const double z = gaussian(draw(settings.seed, stream, state.step, id, 1));
         particles.velocity.row(i) = width * Vector3(xy[0], xy[1], z).transpose();
+        particles.velocity(i, 0) += settings.shear_rate * particles.position(i, 1);
     }
     if (zero_momentum) {
-        remove_drift(particles);
+        remove_drift(particles, settings.shear_rate);
     }
     if (constraints != nullptr) {
         constraints->after_kick(state.box, particles, settings.timestep, state.step);
@@ -30,10 +31,14 @@ void draw_velocities(State& state, const StepSettings& settings, Stream stream, 
 }
 
 void rescale_velocities(Particles& particles, const StepSettings& settings) {
-    const double present = kinetic_tensor(particles).trace();
+    const double present = kinetic_tensor(particles, settings.shear_rate).trace();
     const double wanted = static_cast<double>(settings.degrees_of_freedom) * settings.thermal_energy;
     if (present > 0.0 && settings.degrees_of_freedom > 0) {
-        particles.velocity *= std::sqrt(wanted / present);
+        const double factor = std::sqrt(wanted / present);
+        particles.velocity *= factor;
+        if (settings.shear_rate != 0.0) {
+            particles.velocity.col(0) += (1.0 - factor) * settings.shear_rate * particles.position.col(1);
+        }
     }
 }
 

@@ -1,4 +1,5 @@
-// Measures that act only while a run equilibrates, and the Maxwell velocities of its start.
+// Measures that act only while a run equilibrates, and the Maxwell velocities of its start. In a sheared cell
+// velocities are those relative to the flow, and the flow stays.
 #pragma once
 
 #include "core/state.hpp"

@@ -52,7 +52,7 @@ void Middle::step(State& state, Forces& forces, const StepSettings& settings, bo
     constrain_velocities(state, forces, settings);
     std::optional<Matrix3> kinetic;
     if (observe) {
-        kinetic = kinetic_tensor(particles);
+        kinetic = kinetic_tensor(particles, settings.shear_rate);
     }
     leave_middle(state, settings);
     constrain_drift(state, forces, 0.5 * settings.timestep);

@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "core/failure.hpp"
+#include "external/flight.hpp"
 #include "integrate/equilibration.hpp"
 #include "integrate/piston.hpp"
+#include "integrate/shear.hpp"
 #include "observe/kinetic.hpp"
 
 namespace dlpoly {
@@ -96,9 +98,9 @@ void refuse_long_moves(const State& state, const StepSettings& settings, double 
     }
 }
 
-// Takes every bead to `place(bead)`, wrapped into the cell.
-template <class Place>
-void move_beads(State& state, const Place& place) {
+// Takes every bead to `place(bead)`, wrapped into the cell; then settle(bead, image before).
+template <class Place, class Settle>
+void move_beads(State& state, const Place& place, const Settle& settle) {
     Particles& particles = state.particles;
     const Eigen::Index beads = particles.count();
     std::atomic<Eigen::Index> lost{-1};
@@ -107,10 +109,12 @@ void move_beads(State& state, const Place& place) {
 #endif
     for (Eigen::Index i = 0; i < beads; ++i) {
         Vector3 position = place(i);
+        const auto before = particles.image.row(i).eval();
         if (!state.box.wrap(position, particles.image.row(i).data())) {
             lost = i;
         } else {
             particles.position.row(i) = position.transpose();
+            settle(i, before);
         }
     }
     if (lost >= 0) {
@@ -119,12 +123,40 @@ void move_beads(State& state, const Place& place) {
     }
 }
 
+template <class Place>
+void move_beads(State& state, const Place& place) {
+    move_beads(state, place, [](Eigen::Index, const auto&) {});
+}
+
+// A drift in a sheared cell: beads that cross a face across y take over the velocity of the flow there.
+void drift_sheared(State& state, const StepSettings& settings, double time) {
+    tilt(state, settings.shear_rate, time);
+    Particles& particles = state.particles;
+    const double flow = settings.shear_rate * state.box.cell()(1, 1);
+    move_beads(
+        state,
+        [&](Eigen::Index i) -> Vector3 {
+            return (particles.position.row(i) + time * particles.velocity.row(i)).transpose();
+        },
+        [&](Eigen::Index i, const auto& before) {
+            particles.velocity(i, 0) -= flow * (particles.image(i, 1) - before[1]);
+        });
+}
+
 }  // namespace
 
 void drift(State& state, const StepSettings& settings, double time) {
-    const Particles& particles = state.particles;
+    Particles& particles = state.particles;
     if (!settings.barostat.acts()) {
         refuse_long_moves(state, settings, time);
+        if (settings.shear_rate != 0.0) {
+            drift_sheared(state, settings, time);
+            return;
+        }
+        if (settings.flight) {
+            move_beads(state, [&](Eigen::Index i) { return settings.flight->move(particles, i, time); });
+            return;
+        }
         move_beads(state, [&](Eigen::Index i) -> Vector3 {
             return (particles.position.row(i) + time * particles.velocity.row(i)).transpose();
         });
@@ -210,12 +242,15 @@ ForceRequest conservative_request(const State& state, const StepSettings& settin
     request.gaussian_noise = settings.precision == Precision::reference;
     request.seed = settings.seed;
     request.step = state.step;
+    request.time = state.time;
+    request.shear_rate = settings.shear_rate;
     return request;
 }
 
 void compute_forces(State& state, Forces& forces, const StepSettings& settings, const ForceRequest& request,
                     const Array3N& velocity, PairTotals& totals) {
     forces.compute(state.box, state.particles, velocity, request, totals);
+    forces.steer(state.particles);
     if (settings.force_cap > 0.0 && state.step <= settings.equilibration_steps) {
         cap_forces(state.particles, settings.force_cap);
     }
@@ -228,7 +263,7 @@ void advance_clock(State& state, const StepSettings& settings) {
 
 void finish_step(State& state, const StepSettings& settings, Constraints* constraints) {
     if (settings.remove_drift) {
-        remove_drift(state.particles);
+        remove_drift(state.particles, settings.shear_rate);
         if (constraints != nullptr) {  // beads that are held by a frozen one have lost their directions
             constraints->after_kick(state.box, state.particles, settings.timestep, state.step);
         }

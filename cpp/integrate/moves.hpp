@@ -13,9 +13,10 @@ void kick(Particles& particles, double time);
 // The same while the cell's edges move: exact for the present forces and rates (see piston.hpp).
 void kick(State& state, const StepSettings& settings, double time);
 
-// r += time · v, wrapped into the cell; a cell that moves is scaled with the positions. Throws RunFailure naming a bead
-// whose position is not finite or that would move farther than settings.longest_move, or where the cell would change by
-// more than a quarter; the state is then that before the drift.
+// r += time · v, or as settings.flight has it, wrapped into the cell; a cell that moves is scaled with the positions,
+// one that is sheared tilts (see shear.hpp). Throws RunFailure naming a bead whose position is not finite or that would
+// move farther than settings.longest_move, or where the cell would change by more than a quarter; the state is then
+// that before the drift.
 void drift(State& state, const StepSettings& settings, double time);
 
 // The whole drift of a step, with what a piston does in its middle.

@@ -22,6 +22,7 @@ SweepSettings sweep_settings(const State& state, const StepSettings& settings, d
     sweep.rate = settings.collision_rate;
     sweep.seed = settings.seed;
     sweep.step = state.step;
+    sweep.shear_rate = settings.shear_rate;
     sweep.stream = stream;
     sweep.strong_noise = settings.precision == Precision::reference;
     return sweep;
@@ -91,7 +92,7 @@ void Splitting::step(State& state, Forces& forces, const StepSettings& settings,
         }
         constrain_velocities(state, forces, settings);
         if (observe) {
-            kinetic = kinetic_tensor(particles);
+            kinetic = kinetic_tensor(particles, settings.shear_rate);
         }
         leave_middle(state, settings);
         constrain_drift(state, forces, 0.5 * timestep);

@@ -4,10 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <numbers>
 #include <vector>
 
 namespace dlpoly {
+
+class Flight;
 
 // How a step is taken. The names are those of ensemble_dpd_order.
 enum class Order {
@@ -115,6 +118,8 @@ struct StepSettings {
     std::uint64_t rescale_every = 0;        // steps, 0 = never
     std::uint64_t regauss_every = 0;        // steps, 0 = never
     Barostat barostat;
+    double shear_rate = 0.0;               // ∂u_x/∂y of a cell with Lees–Edwards boundaries, 1/ps
+    std::shared_ptr<const Flight> flight;  // how beads move between kicks; none: along straight lines
 };
 
 }  // namespace dlpoly

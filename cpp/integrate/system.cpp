@@ -2,6 +2,7 @@
 #include "integrate/system.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "integrate/equilibration.hpp"
@@ -43,6 +44,23 @@ void System::meet_constraints() {
         constraints->after_kick(state.box, state.particles, settings.timestep, state.step);
         ready = false;
     }
+}
+
+void System::add_field(std::unique_ptr<ExternalField> field) {
+    forces.add(std::move(field));
+    path_chosen_ = false;
+    fluid_.reset();
+    ready = false;
+}
+
+void System::set_flight(std::shared_ptr<const Flight> flight) {
+    if (settings.flight) {
+        throw std::invalid_argument("walls and a magnetic field cannot act together");
+    }
+    settings.flight = std::move(flight);
+    path_chosen_ = false;
+    fluid_.reset();
+    ready = false;
 }
 
 void System::choose_path() {

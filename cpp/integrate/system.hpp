@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "core/state.hpp"
+#include "external/external_field.hpp"
+#include "external/flight.hpp"
 #include "fast/fluid.hpp"
 #include "forces/forces.hpp"
 #include "integrate/integrator.hpp"
@@ -37,6 +39,10 @@ class System {
 
     // Brings positions to the lengths of the constraints, and takes out of velocities what would change them.
     void meet_constraints();
+    // Adds an external field; sets how beads move between kicks, which one thing alone may. The second throws
+    // std::invalid_argument where something does already.
+    void add_field(std::unique_ptr<ExternalField> field);
+    void set_flight(std::shared_ptr<const Flight> flight);
 
     // How steps are computed: "fast", or why not in words.
     [[nodiscard]] std::string plan();

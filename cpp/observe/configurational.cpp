@@ -10,6 +10,7 @@ Configurational configurational(State& state, Forces& forces) {
     Array3N kept = particles.force;
     ForceRequest request;
     request.step = state.step;
+    request.time = state.time;
     PairTotals unused;
     forces.compute(state.box, particles, particles.velocity, request, unused);
     Configurational result;

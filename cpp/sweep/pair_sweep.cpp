@@ -69,6 +69,11 @@ void PairSweep::sort(const Box& box, const Particles& particles, const SweepSett
         word_[k] = bead_word(order[k], key.data());
         species_[k] = particles.species[order[k]];
     }
+    if (settings.shear_rate != 0.0) {
+        for (std::size_t k = 0; k < beads; ++k) {
+            velocity_[k].x -= settings.shear_rate * y_[k];
+        }
+    }
 }
 
 void PairSweep::find_pairs(std::int32_t row, Row& result) const {
@@ -207,12 +212,17 @@ void PairSweep::make_maps(Row& row, const Map& map, const SweepSettings& setting
     }
 }
 
+template <bool sheared>
 void PairSweep::use_pair(const Row& row, std::size_t k, const SweepSettings& settings, std::array<double, 6>* virial) {
     Velocity& a = velocity_[row.i[k]];
     Velocity& b = velocity_[row.j[k]];
     const double inverse = 1.0 / std::sqrt(row.squared[k]);
     const double ex = row.dx[k] * inverse, ey = row.dy[k] * inverse, ez = row.dz[k] * inverse;
-    const double u = ex * (a.x - b.x) + ey * (a.y - b.y) + ez * (a.z - b.z);
+    double relative_x = a.x - b.x;
+    if constexpr (sheared) {
+        relative_x += settings.shear_rate * row.dy[k];  // the flow at a bead and at the image it meets
+    }
+    const double u = ex * relative_x + ey * (a.y - b.y) + ez * (a.z - b.z);
     const double inverse_mass = a.inverse_mass + b.inverse_mass;
     const double along = ((row.map[k].keep - 1.0) * u + row.map[k].add) / inverse_mass;
     double px = along * ex, py = along * ey, pz = along * ez;
@@ -225,7 +235,7 @@ void PairSweep::use_pair(const Row& row, std::size_t k, const SweepSettings& set
         const double noise = std::sqrt(-std::expm1(-2.0 * x) * pair.thermal_energy * inverse_mass);
         const double* n = &row.across[3 * k];
         const double n_along = ex * n[0] + ey * n[1] + ez * n[2];
-        px += (lost * ((a.x - b.x) - u * ex) + noise * (n[0] - n_along * ex)) / inverse_mass;
+        px += (lost * (relative_x - u * ex) + noise * (n[0] - n_along * ex)) / inverse_mass;
         py += (lost * ((a.y - b.y) - u * ey) + noise * (n[1] - n_along * ey)) / inverse_mass;
         pz += (lost * ((a.z - b.z) - u * ez) + noise * (n[2] - n_along * ez)) / inverse_mass;
     }
@@ -245,14 +255,23 @@ void PairSweep::use_pair(const Row& row, std::size_t k, const SweepSettings& set
 }
 
 void PairSweep::use_maps(const Row& row, const SweepSettings& settings, std::array<double, 6>* virial) {
+    if (settings.shear_rate != 0.0) {
+        use_all<true>(row, settings, virial);
+    } else {
+        use_all<false>(row, settings, virial);
+    }
+}
+
+template <bool sheared>
+void PairSweep::use_all(const Row& row, const SweepSettings& settings, std::array<double, 6>* virial) {
     const std::size_t pairs = row.i.size();
     if (settings.backward) {
         for (std::size_t k = pairs; k-- > 0;) {
-            use_pair(row, k, settings, virial);
+            use_pair<sheared>(row, k, settings, virial);
         }
     } else {
         for (std::size_t k = 0; k < pairs; ++k) {
-            use_pair(row, k, settings, virial);
+            use_pair<sheared>(row, k, settings, virial);
         }
     }
 }
@@ -311,7 +330,7 @@ void PairSweep::apply(const Box& box, Particles& particles, const Map& map, cons
 #endif
     for (std::size_t k = 0; k < beads; ++k) {
         const auto id = static_cast<Eigen::Index>(order[k]);
-        particles.velocity(id, 0) = velocity_[k].x;
+        particles.velocity(id, 0) = velocity_[k].x + settings.shear_rate * y_[k];
         particles.velocity(id, 1) = velocity_[k].y;
         particles.velocity(id, 2) = velocity_[k].z;
     }
@@ -348,7 +367,8 @@ PairSweep::PairTemperature PairSweep::measure(const Box& box, const Particles& p
             const PairSituation pair = situation(row, k, settings);
             const Velocity& a = velocity_[row.i[k]];
             const Velocity& b = velocity_[row.j[k]];
-            const double projection = row.dx[k] * (a.x - b.x) + row.dy[k] * (a.y - b.y) + row.dz[k] * (a.z - b.z);
+            const double relative_x = a.x - b.x + settings.shear_rate * row.dy[k];
+            const double projection = row.dx[k] * relative_x + row.dy[k] * (a.y - b.y) + row.dz[k] * (a.z - b.z);
             const double u_squared = projection * projection / row.squared[k];
             const double w = std::sqrt(pair.weight);
             part.excess += pair.weight * (u_squared - settings.thermal_energy * pair.inverse_mass);

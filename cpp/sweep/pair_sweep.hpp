@@ -30,6 +30,7 @@ struct SweepSettings {
     double weight_exponent = 2.0;  // s of w^D
     double transverse_drag = 0.0;  // γ⊥ as a multiple of the pair's γ, acting across the axis
     double rate = 0.0;             // thermostats that choose pairs: Γ, 1/ps, in place of ½γ/μ; 0 = none
+    double shear_rate = 0.0;       // of the cell, 1/ps: velocities are taken relative to the flow
     std::uint64_t seed = 0;
     std::uint64_t step = 0;
     Stream stream = Stream::sweep_words;
@@ -82,6 +83,9 @@ class PairSweep {
     template <class Map>
     void make_maps(Row& row, const Map& map, const SweepSettings& settings) const;
     void use_maps(const Row& row, const SweepSettings& settings, std::array<double, 6>* virial);
+    template <bool sheared>
+    void use_all(const Row& row, const SweepSettings& settings, std::array<double, 6>* virial);
+    template <bool sheared>
     void use_pair(const Row& row, std::size_t k, const SweepSettings& settings, std::array<double, 6>* virial);
     [[nodiscard]] sweep::PairSituation situation(const Row& row, std::size_t k, const SweepSettings& settings) const;
     void visit_rows(const Box& box, const SweepSettings& settings, int threads,

@@ -17,8 +17,9 @@ from pydlpoly import _core
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.explain import PLANS
+from pydlpoly.scene.external import ON_CHARGES
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
-from pydlpoly.scene.model import Barostat, Bonded, BondedTerm, PairTerm, Scene
+from pydlpoly.scene.model import Barostat, Bonded, BondedTerm, PairTerm, Scene, Walls
 
 _PRECISIONS = {
     "double": _core.Precision.double_precision,
@@ -41,6 +42,7 @@ class Totals:
             Σ m v_a v_b over beads, internal energy; the stress of each part is this over the volume.
         momentum: (3,) total momentum, Da Å/ps.
         constraint: (3, 3) Σ F_a r_b of the forces that keep the lengths of constraints.
+        field_energy: of external fields that have one, internal energy.
         bonded_energies: (5,) of bonds, angles, dihedrals, inversions, tethers; ``bonded``: (5, 3, 3) their Σ F_a r_b.
     """
 
@@ -55,6 +57,7 @@ class Totals:
     bonded: FloatArray
     thermostat_energy: float = 0.0
     constraint: FloatArray = dataclasses.field(default_factory=lambda: np.zeros((3, 3)))
+    field_energy: float = 0.0
 
 
 def default_threads() -> int:
@@ -97,7 +100,10 @@ class NativeEngine:
         if scene.bonded is not None:
             self.system.set_bonded(_bonded_terms(scene, scene.bonded), scene.bonded.excluded.tolist())
         for term in scene.external:
-            self.system.add_external_field(term.key, list(term.parameters))
+            charges = beads.charge.tolist() if term.key in ON_CHARGES else []
+            self.system.add_external_field(term.key, list(term.parameters), charges)
+        if scene.walls is not None:
+            _add_walls(self.system, scene.walls)
         self._constrained = scene.constraints is not None
         if scene.constraints is not None:
             fixed = scene.constraints
@@ -155,6 +161,7 @@ class NativeEngine:
             bonded=np.array(system.bonded_virial_tensors),
             thermostat_energy=float(system.thermostat_energy),
             constraint=np.asarray(system.constraint_virial_tensor),
+            field_energy=float(system.field_energy),
         )
 
     def configurational(self) -> tuple[float, float]:
@@ -210,6 +217,13 @@ def _numbers(term: BondedTerm) -> list[float]:
     return [term.table_start, term.table_spacing, *term.table.ravel().tolist()]
 
 
+def _add_walls(system: _core.System, walls: Walls) -> None:
+    walled, distance = list(walls.walled), np.array(walls.distance)
+    system.set_walls(walled, distance, walls.method == "bounce-back")
+    if walls.strengths:
+        system.add_soft_walls(walled, distance, list(walls.strengths), walls.range)
+
+
 def _step_settings(scene: Scene, seed: int) -> _core.StepSettings:
     dynamics, run = scene.dynamics, scene.run
     settings = _core.StepSettings()
@@ -238,6 +252,7 @@ def _step_settings(scene: Scene, seed: int) -> _core.StepSettings:
     if dynamics.barostat is not None:
         settings.barostat = _barostat(scene, dynamics.barostat)
     settings.remove_drift = dynamics.remove_drift
+    settings.shear_rate = dynamics.shear_rate
     settings.seed = seed
     settings.degrees_of_freedom = scene.degrees_of_freedom
     settings.force_cap = run.force_cap

@@ -128,9 +128,9 @@ PAIR_KEYS = frozenset(
 """Pair laws by their first four letters; ``mdpd`` is in DL_POLY's newest manual only."""
 
 EXTERNAL_KEYS = frozenset(
-    ["elec", "oshr", "shrx", "grav", "magn", "sphr", "zbnd", "xpis", "zres", "zrs-", "zrs+", "osel", "ushr"]
+    ["elec", "oshr", "shrx", "grav", "magn", "sphr", "zbnd", "xpis", "zres", "zrs-", "zrs+", "osel", "ushr", "pois"]
 )
-"""External fields by their first four letters."""
+"""External fields by their first four letters; pois is pydlpoly's own."""
 
 UNIT_WORDS = ("eV", "kcal", "kJ", "K", "kelvin", "kB", "kT", "internal", "dpd")
 """Spellings of the energy units that messages offer."""

@@ -224,6 +224,14 @@ _ENSEMBLE = (
 )  # fmt: skip
 
 _FORCES = (
+    _option("wall_method", "off reflecting bounce-back soft", "off",
+            "walls across axes of the cell; external-fields.md"),
+    _option("wall_axes", "x y z xy xz yz xyz", "z", "axes that the walls are across"),
+    _float("wall_position", "length", "0.0 ang",
+           "distance of the walls from the cell's centre; not given: they are the cell's faces"),
+    _vector("wall_strength", "force", 0, "", "repulsion of soft walls: one number, or one for each species"),
+    _float("wall_range", "length", "0.0 ang", "range of soft walls; not given: vdw_cutoff"),
+    _float("shear_rate", "rate", "0.0 ps^-1", "shear rate of Lees-Edwards boundaries: flow along x, gradient along y"),
     _float("cutoff", "length", "", "global cutoff and range of the radial distribution", old="cutoff f", req=True),
     _float("padding", "length", "0.0 ang", "skin of the neighbour list",
            "ignored: pydlpoly chooses the skin; results do not depend on it", "padding f"),

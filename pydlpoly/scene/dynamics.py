@@ -14,7 +14,7 @@ from pydlpoly.formats.keywords import KEYWORDS
 from pydlpoly.formats.records import Configuration, FloatArray
 from pydlpoly.scene.beads import Layout
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
-from pydlpoly.scene.model import Dynamics, ExternalTerm, PairTerm, Precision, RunPlan, Schedule, Start
+from pydlpoly.scene.model import Dynamics, ExternalTerm, PairTerm, Precision, RunPlan, Schedule, Start, Walls
 from pydlpoly.scene.settings import Notes, Settings, place
 from pydlpoly.units import BOLTZMANN
 
@@ -331,19 +331,24 @@ def _seed(settings: Settings) -> int | None:
 
 
 def settle_momentum(
-    dynamics: Dynamics, layout: Layout, external: tuple[ExternalTerm, ...], settings: Settings, notes: Notes
+    dynamics: Dynamics,
+    layout: Layout,
+    external: tuple[ExternalTerm, ...],
+    walls: Walls | None,
+    settings: Settings,
+    notes: Notes,
 ) -> tuple[Dynamics, int]:
     """Return the dynamics with ``remove_drift`` settled, and the number of degrees of freedom.
 
     The three momenta of the centre of mass do not count when they are 0 and stay 0: under nve because the drift is
-    removed, under the DPD thermostat, which conserves them by itself, unless frozen beads or external fields feed them.
-    Langevin dynamics feeds them in every step, so that there, too, the drift is removed.
+    removed, under the DPD thermostat, which conserves them by itself, unless frozen beads, walls or external fields
+    feed them. Langevin dynamics feeds them in every step, so that there, too, the drift is removed.
     """
     mobile = int(np.count_nonzero(~layout.frozen))
-    disturbed = bool(external) or mobile < len(layout.frozen)
+    disturbed = bool(external) or walls is not None or mobile < len(layout.frozen)
     fixed = settings.switch("fixed_com")
     if fixed and is_pairwise(dynamics.integrator) and disturbed:
-        cause = "external fields" if external else "frozen beads"
+        cause = "external fields" if external else "walls" if walls is not None else "frozen beads"
         notes.choice(
             f"fixed_com: the DPD thermostat does not remove the drift that {cause} bring about, so all {3 * mobile} "
             "momenta count as degrees of freedom",

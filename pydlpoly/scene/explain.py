@@ -332,14 +332,62 @@ def _long_range(scene: Scene) -> list[str]:
 def _external(scene: Scene) -> list[str]:
     word, lines = _Words(scene), []
     for term in scene.external:
-        numbers = " ".join(f"{x:g}" for x in term.parameters)
-        if term.key == "grav":
-            lines.append(f"grav: F = m G with G = ({numbers}) in internal units, from {term.explanation}")
-        else:
-            amplitude, waves = term.parameters
-            text = f"oshr: Fx = A cos(2 pi n z/Lz) with A = {amplitude:g}{word.force}, n = {waves:g}"
-            lines.append(f"{text}, from {term.explanation}")
-    return lines or ["none"]
+        lines += _wrap(f"{term.key}: {_FIELDS[term.key](word, term.parameters)}, from {term.explanation}")
+    return [*lines, *_walls(scene), *_shear(scene)] or ["none"]
+
+
+def _vector(numbers: Sequence[float]) -> str:
+    return "(" + " ".join(f"{x:g}" for x in numbers[:3]) + ")"
+
+
+_FIELDS: dict[str, Callable[[_Words, tuple[float, ...]], str]] = {
+    "grav": lambda _, p: f"F = m G with G = {_vector(p)} in internal units",
+    "oshr": lambda word, p: f"Fx = A cos(2 pi n z/Lz) with A = {p[0]:g}{word.force}, n = {p[1]:g}",
+    "elec": lambda _, p: f"F = q E with E = {_vector(p)} in internal units",
+    "osel": lambda word, p: (
+        f"F = q E sin(2 pi f t) with E = {_vector(p)} in internal units, f = {p[3]:g}{word.time and ' 1/ps'}"
+    ),
+    "magn": lambda _, p: f"F = q v x H with H = {_vector(p)} in internal units, along exact helices",
+    "shrx": lambda word, p: (
+        f"vx = sign(z) A/2 for |z| > z0 with A = {p[0]:g}{word.velocity}, z0 = {p[1]:g}{word.length}"
+    ),
+    "sphr": lambda word, p: (
+        f"U = A (R0 - r)^-n for r > Rcut with A = {p[0]:g} in internal units, R0 = {p[1]:g}{word.length}, "
+        f"n = {p[2]:g}, Rcut = {p[3]:g}{word.length}"
+    ),
+    "zbnd": lambda word, p: (
+        f"U = A (z - z0)^2/2 {'above' if math.copysign(1.0, p[2]) > 0.0 else 'below'} z0 with A = {p[0]:g} in internal "
+        f"units, z0 = {p[1]:g}{word.length}"
+    ),
+    "pois": lambda word, p: f"Fx = m g sign(y) with g = {p[0]:g}{word.velocity and ' ang/ps^2'}",
+}
+
+
+def _walls(scene: Scene) -> list[str]:
+    walls, word = scene.walls, _Words(scene)
+    if walls is None:
+        return []
+    places = ", ".join(
+        f"{axis} = -{d:g} and {d:g}{word.length}"
+        for axis, wall, d in zip("xyz", walls.walled, walls.distance, strict=True)
+        if wall
+    )
+    turns = {"reflecting": "the velocity across the wall is", "bounce-back": "the whole velocity of a bead is"}
+    lines = _wrap(f"walls at {places}: {turns[walls.method]} reversed there, from {walls.explanation}")
+    if walls.strengths:
+        named = ", ".join(f"{name} {a:g}" for name, a in zip(scene.species, walls.strengths, strict=True))
+        lines += _wrap(
+            f"before them U = A rc (1 - d/rc)^2/2 at the distance d, rc = {walls.range:g}{word.length}, A in internal "
+            f"units: {named}"
+        )
+    return lines
+
+
+def _shear(scene: Scene) -> list[str]:
+    rate, word = scene.dynamics.shear_rate, _Words(scene)
+    if rate == 0.0:
+        return []
+    return [f"Lees-Edwards boundaries: flow along x, gradient along y, shear rate {rate:g}{word.time and ' 1/ps'}"]
 
 
 def _run(scene: Scene) -> list[str]:
@@ -403,7 +451,7 @@ def _absent(scene: Scene) -> list[str]:
         absent.append("conservative pair forces")
     if not is_pairwise(scene.dynamics.integrator):
         absent.append("drag and noise")
-    if not scene.external:
+    if not scene.external and scene.walls is None and scene.dynamics.shear_rate == 0.0:
         absent.append("external fields")
     return [*_wrap(f"not in this scene, at no cost: {', '.join(absent)}"), *_note_lines(scene, "ignored")]
 

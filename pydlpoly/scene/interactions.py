@@ -1,4 +1,4 @@
-"""What acts between beads and on them: cutoffs, the rules of the pair table, external fields, tails."""
+"""What acts between beads: cutoffs, the rules of the pair table, tails."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from dataclasses import replace
 
 from pydlpoly import _core
 from pydlpoly.errors import SceneError
-from pydlpoly.formats.records import ExternalLine, Field, PairTable
+from pydlpoly.formats.records import Field, PairTable
 from pydlpoly.scene.beads import Layout
 from pydlpoly.scene.cell import LONGEST
 from pydlpoly.scene.integrators import is_pairwise
 from pydlpoly.scene.laws import pair_laws
-from pydlpoly.scene.model import Dynamics, ExternalTerm, PairTerm
+from pydlpoly.scene.model import Dynamics, PairTerm
 from pydlpoly.scene.pairs import PairRules, PairTableBuilder
 from pydlpoly.scene.settings import Notes, Settings, place
 
@@ -59,36 +59,6 @@ def resolve_pairs(
         notes.ignored("ensemble_dpd_drag has no pair to fill: every pair has a drag of its own", rules.fill_where)
     _note_ranges(pairs, layout.species_names, cutoffs, notes)
     return pairs
-
-
-def resolve_external(field: Field, factor: float, imcon: int, notes: Notes) -> tuple[ExternalTerm, ...]:
-    """Return the external fields in internal units; SceneError for those that are not modelled or make no sense."""
-    return tuple(_external_term(line, field, factor, imcon, notes) for line in field.externals)
-
-
-def _external_term(line: ExternalLine, field: Field, factor: float, imcon: int, notes: Notes) -> ExternalTerm:
-    def refusal(message: str) -> SceneError:
-        return SceneError(message, path=field.path, line=line.line or None, word=line.key)
-
-    if line.key not in ("grav", "oshr"):
-        raise refusal("this external field is not modelled yet; grav and oshr are")
-    names = {"grav": "Gx Gy Gz", "oshr": "A n"}[line.key]
-    count, numbers = len(names.split()), line.parameters
-    if len(numbers) < count or any(numbers[count:]):
-        raise refusal(f"takes {count} numbers ({names}), found {len(numbers)}")
-    numbers = numbers[:count]
-    if not all(math.isfinite(x) for x in numbers):
-        raise refusal("all numbers of an external field must be finite")
-    where = place(field.path, line.line)
-    if line.key == "grav":
-        return ExternalTerm("grav", tuple(factor * x for x in numbers), where)
-    if imcon not in (1, 2):
-        raise refusal(f"oscillating shear needs a cubic or orthorhombic cell (imcon 1 or 2), not imcon {imcon}")
-    if not numbers[1].is_integer():
-        notes.warning(
-            f"oshr with n = {numbers[1]:g}: the force jumps at the cell's face unless n is a whole number", where
-        )
-    return ExternalTerm("oshr", (factor * numbers[0], numbers[1]), where)
 
 
 def resolve_cutoffs(settings: Settings, notes: Notes) -> tuple[float, float]:

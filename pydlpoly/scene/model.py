@@ -101,10 +101,32 @@ class PairTerm:
 
 @dataclass(frozen=True)
 class ExternalTerm:
-    """An external field: its key ("grav", "oshr"), its parameters in internal units, and where they come from."""
+    """An external field: its key ("grav", "elec", …), its parameters in internal units, and where they come from."""
 
     key: str
     parameters: tuple[float, ...]
+    explanation: str = ""
+
+
+@dataclass(frozen=True)
+class Walls:
+    """Walls across axes of the cell, at the same distance from its centre on both sides.
+
+    Attributes:
+        method: what a bead does that meets a wall: "reflecting" (its velocity across is reversed) or "bounce-back" (its
+            whole velocity is).
+        walled: which axes have walls; they are not periodic.
+        distance: of the walls from the centre along x, y, z, Å.
+        strengths: A of the soft repulsion ½ A r_c (1 − d/r_c)² by species, Da Å/ps²; empty without one.
+        range: its r_c, Å.
+        explanation: where it comes from ("CONTROL:12").
+    """
+
+    method: Literal["reflecting", "bounce-back"]
+    walled: tuple[bool, bool, bool]
+    distance: tuple[float, float, float]
+    strengths: tuple[float, ...] = ()
+    range: float = 0.0
     explanation: str = ""
 
 
@@ -232,6 +254,7 @@ class Dynamics:
             (nose-hoover-langevin, langevin).
         schedule: the temperature where it varies with time.
         barostat: what moves the cell, None where it is fixed.
+        shear_rate: ∂u_x/∂y of the flow in a cell with Lees–Edwards boundaries, 1/ps; 0 without them.
         remove_drift: whether the centre-of-mass velocity of the mobile beads is removed in every step.
         precision: arithmetic of the pair forces, "double", "mixed" or "reference".
     """
@@ -253,6 +276,7 @@ class Dynamics:
     thermostat_friction: float = 1.0
     schedule: Schedule | None = None
     barostat: Barostat | None = None
+    shear_rate: float = 0.0
     remove_drift: bool = False
     precision: Precision = "double"
 
@@ -336,6 +360,7 @@ class Scene:
         bonded: bonds, angles, dihedrals, inversions and tethers, and the pairs without pair forces; None when there are
             none.
         constraints: fixed distances; None when there are none.
+        walls: walls across axes of the cell; None when there are none.
     """
 
     title: str
@@ -363,6 +388,7 @@ class Scene:
     source_cell: FloatArray | None = None
     bonded: Bonded | None = None
     constraints: Constraints | None = None
+    walls: Walls | None = None
 
     @property
     def constraint_count(self) -> int:

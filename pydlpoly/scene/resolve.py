@@ -15,17 +15,19 @@ from pydlpoly.scene.bonded_laws import KINDS
 from pydlpoly.scene.cell import resolve_cell, widths, wrap
 from pydlpoly.scene.constraints import left_by, resolve_constraints
 from pydlpoly.scene.dynamics import check_limits, resolve_dynamics, resolve_run, settle_momentum, start_velocities
+from pydlpoly.scene.external import resolve_external
 from pydlpoly.scene.interactions import (
     check_image_noise,
     long_range_correction,
     note_small_cell,
     resolve_cutoffs,
-    resolve_external,
     resolve_pairs,
 )
 from pydlpoly.scene.model import Beads, Scene
 from pydlpoly.scene.output import resolve_output
 from pydlpoly.scene.settings import Notes, Settings, place
+from pydlpoly.scene.shear import SHEARED_SHAPE, check_shear, resolve_shear
+from pydlpoly.scene.walls import check_beads_inside, open_axes, resolve_walls
 from pydlpoly.units import ENERGY_UNITS, EnergyUnit, energy_unit
 
 # These say which files to read and how: whoever made the records has followed them.
@@ -72,23 +74,30 @@ def resolve(
     units, field_units = _units(settings, field, notes)
     dynamics = resolve_dynamics(settings, field_units.reduced, notes)
     dynamics = resolve_barostat(settings, dynamics, notes)
+    dynamics = resolve_shear(settings, dynamics, notes)
     layout = lay_out(field, notes)
     check_configuration(layout, field, config)
     check_charges(layout, settings, field, notes)
-    external = resolve_external(field, field_units.factor, config.imcon, notes)
+    external = resolve_external(field, field_units, config.imcon, layout, dynamics, settings, notes)
     check_barostat(dynamics, settings, config, field, layout, external)
     cutoffs = resolve_cutoffs(settings, notes)
     cell, periodic = resolve_cell(config, cutoffs[0], notes)
+    walls = resolve_walls(settings, dynamics, external, config, cell, layout.species_names, cutoffs[1], notes)
+    periodic = open_axes(periodic, walls)
+    check_beads_inside(walls, config.positions, layout, config.path)
+    check_shear(dynamics, settings, config, cell, field, layout, external, walls)
     imcon = shape_of(dynamics, config.imcon, settings, notes)
+    if dynamics.shear_rate != 0.0:
+        imcon = SHEARED_SHAPE
     pairs = resolve_pairs(settings, field, field_units.factor, layout, dynamics, cutoffs, tables, notes)
     check_limits(dynamics, pairs, layout, settings, notes)
     note_small_cell(pairs, widths(cell)[list(periodic)].tolist(), notes)
     check_image_noise(pairs, widths(cell)[list(periodic)].tolist(), config.path)
-    dynamics, degrees = settle_momentum(dynamics, layout, external, settings, notes)
+    dynamics, degrees = settle_momentum(dynamics, layout, external, walls, settings, notes)
     run = resolve_run(settings, dynamics.integrator != "nve", config, notes)
     fixed = dynamics.remove_drift or degrees == 3 * sum(layout.mobile_counts()) - 3
     output = resolve_output(settings, field, layout.species_names, pairs, cutoffs[0], notes)
-    velocities = start_velocities(config, layout, run, fixed, notes)
+    velocities = start_velocities(config, layout, run, fixed and dynamics.shear_rate == 0.0, notes)
     beads = _beads(layout, _wrapped(config, cell, periodic), velocities)
     bonded = resolve_bonded(field, field_units.factor, beads, cell, periodic, config.path, notes, bonded_tables)
     constraints = resolve_constraints(
@@ -120,6 +129,7 @@ def resolve(
         sources=tuple(sources) or (control.path, field.path, config.path),
         bonded=bonded,
         constraints=constraints,
+        walls=walls,
     )
 
 

@@ -19,6 +19,7 @@ _CLASSES: dict[str, type[Any]] = {
         model.Beads,
         model.PairTerm,
         model.ExternalTerm,
+        model.Walls,
         model.BondedTerm,
         model.Bonded,
         model.Constraints,

@@ -145,7 +145,7 @@ def test_rdf_pairs_and_external_field() -> None:
 def test_every_external_field() -> None:
     for key in sorted(EXTERNAL_KEYS):
         assert after(f"external\n{key} 1 2 3\n").externals == (ExternalLine(key, (1.0, 2.0, 3.0)),)
-    assert len(EXTERNAL_KEYS) == 13
+    assert len(EXTERNAL_KEYS) == 14
 
 
 def test_blocks_without_records_are_kept_line_by_line() -> None:

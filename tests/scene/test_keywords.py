@@ -53,6 +53,7 @@ def test_every_used_keyword_is_asked_for(make, readings):
     piston = {"ensemble": "nst", "ensemble_barostat_friction": "1 dpd_t^-1"}
     make(control={**piston, "ensemble_semi_isotropic": "tension", "ensemble_tension": "1 dpd_f/dpd_l"}).scene()
     make(atoms=("A 1.0 0.0 2", "B 2.0 0.0"), counts=(2, 2), inside="constraints 1\n1 2 0.9").scene()
+    make(control={"wall_method": "soft", "wall_strength": "[ 25 ] dpd_f"}).scene()
     consumed = set().union(*(settings.consumed for settings in readings))
     used = {row.keyword for row in KEYWORDS.values() if is_used(row)}
     assert len(readings) == 9 + len(orders)

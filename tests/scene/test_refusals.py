@@ -211,9 +211,10 @@ CASES = {
         "FIELD:8: 'shells': the block shells of molecule mol1 is not modelled yet",
     ),
     "metal": ({"after": "metal 1\nA A stch 1 2 3 4 5"}, "FIELD:18: 'metal': the block metal is not modelled yet"),
-    "electric_field": (
-        {"after": "extern\nelec 1 0 0"},
-        "FIELD:19: 'elec': this external field is not modelled yet; grav and oshr are",
+    "piston_field": (
+        {"after": "extern\nxpis 1 2 3"},
+        "FIELD:19: 'xpis': this external field is not modelled; elec, grav, magn, osel, oshr, pois, shrx, sphr, zbnd "
+        "are",
     ),
     "grav_with_two_numbers": ({"after": "extern\ngrav 0 1"}, "FIELD:19: 'grav': takes 3 numbers (Gx Gy Gz), found 2"),
     "oshr_in_a_parallelepiped": (
