@@ -168,7 +168,7 @@ def _frame(lines: Lines, first: str, header: HistoryHeader) -> Frame | None:
             block = block[: beads * (2 + level)]
         elif torn is not None or len(block) < left * (2 + level):
             return None
-        if _cut_short(block, first):
+        if _cut_short(block, first, level):
             return None
         parts.append(careful_beads(block, level, lines))
     timestep, time = [*reals, None, None][:2]
@@ -183,13 +183,15 @@ def _content(block: list[str]) -> int:
     return count
 
 
-def _cut_short(block: list[str], first: str) -> bool:
-    """Whether the last line may have lost digits: no line feed, and shorter than records of fixed length are."""
+def _cut_short(block: list[str], first: str, level: int) -> bool:
+    """Whether the last line may have lost digits: no line feed, and no three numbers or shorter than others of its kind."""
     last = block[-1]
     if last.endswith("\n"):
         return False
+    others = {len(line.rstrip("\n")) for line in block[-(3 + level) :: -(2 + level)]}
     fixed = len(first.rstrip("\n")) == _RECORD
-    return len(last.split()) < 3 or (fixed and len(last) < _RECORD)
+    shorter = len(last) < (_RECORD if fixed else min(others, default=0) if len(others) == 1 else 0)
+    return three_numbers(last) is None or shorter
 
 
 def _cell(lines: Lines, imcon: int) -> FloatArray | None:
