@@ -184,7 +184,7 @@ def _content(block: list[str]) -> int:
 
 
 def _cut_short(block: list[str], first: str, level: int) -> bool:
-    """Whether the last line may have lost digits: no line feed, and no three numbers or shorter than others of its kind."""
+    """Whether the last line may have lost digits: no line feed, and no three numbers or shorter than its like."""
     last = block[-1]
     if last.endswith("\n"):
         return False
