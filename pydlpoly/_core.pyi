@@ -482,6 +482,12 @@ class System:
         """
         Link cells of at least this width instead of one range; never changes results.
         """
+    def stress_profile(
+        self, axis: typing.SupportsInt | typing.SupportsIndex, layers: typing.SupportsInt | typing.SupportsIndex
+    ) -> tuple:
+        """
+        Σ m v_a v_b, Σ F_a r_b of pairs and of bonded terms, (layers, 6) each, and beads (layers, species).
+        """
     def wrap(self) -> None:
         """
         Brings positions that were set back into the cell, counting the cells they cross.

@@ -1,8 +1,8 @@
 """Correlation functions of the stress during a run, and the viscosity that follows from them.
 
-Green and Kubo: η = V/(k_B T) ∫⟨σ_xy(0) σ_xy(t)⟩ dt, with the stress of all parts: momenta, pair laws, bonded terms, drag
-and noise. The noise of one step is correlated with itself alone, as a delta function would be; the trapezoidal rule
-gives that sample half its weight, which makes the integral the one of Einstein's and Helfand's, of the momentum that
+Green and Kubo: η = V/(k_B T) ∫⟨σ_xy(0) σ_xy(t)⟩ dt, with the stress of all parts: momenta, pair laws, bonded terms,
+drag and noise. The noise of one step is correlated with itself alone, as a delta function would be; the trapezoidal
+rule gives that sample half its weight, which makes the integral the one of Einstein's and Helfand's, of the momentum that
 was carried in the run (Jung and Schmid, J. Chem. Phys. 144, 204104 (2016)). It holds when every step is sampled.
 """
 
@@ -93,7 +93,7 @@ class StressCorrelations:
     def correlation(self, term: int = 0) -> tuple[FloatArray, FloatArray]:
         """Return the lag times (n,) in ps and ⟨σ_A(t) σ_B(t + τ)⟩ (n,) of a term, in the pressure unit squared."""
         correlator, column = self._place(self.terms[term])
-        return correlator.lags() * self.spacing, correlator.values()[:, column]
+        return np.asarray(correlator.lags() * self.spacing, dtype=np.float64), correlator.values()[:, column]
 
     @property
     def spacing(self) -> float:
@@ -114,11 +114,11 @@ class StressCorrelations:
             raise ValueError("the viscosity needs a shear component that is correlated with itself")
         correlator, _ = self._place(shears[0])
         columns = [self._place(term)[1] for term in shears if self._place(term)[0] is correlator]
-        times = correlator.lags() * self.spacing
+        times = np.asarray(correlator.lags() * self.spacing, dtype=np.float64)
         factor = self._factor()
-        integral = factor * running_integral(times, correlator.values())[:, columns].mean(axis=1)
+        integral: FloatArray = factor * running_integral(times, correlator.values())[:, columns].mean(axis=1)
         blocks = factor * running_integral(times, correlator.block_values())[:, :, columns].mean(axis=2)
-        errors = np.array([standard_error(series) for series in blocks.T])
+        errors = np.array([standard_error(series) for series in blocks.T], dtype=np.float64)
         return times, integral, errors
 
     def viscosity(self) -> Estimate | None:
@@ -134,6 +134,12 @@ class StressCorrelations:
         _, integral, errors = self.green_kubo()
         correlator, _ = self._place(next(term for term in self.terms if term.is_shear))
         return Estimate(float(integral[-1]), float(errors[-1]), self.samples, len(correlator.block_values()))
+
+    def estimates(self) -> list[tuple[str, Estimate, str]]:
+        """Return what the end of OUTPUT says: name, value and unit."""
+        found = self.viscosity()
+        units = self._scene.units
+        return [] if found is None else [("viscosity", found, "" if units.reduced else f"{units.pressure_label} ps")]
 
     def sync(self) -> None:
         """Write COR. Raises RunError when it cannot be written."""

@@ -67,7 +67,7 @@ class MultipleTau:
         return self._finished()._values()
 
     def block_values(self) -> FloatArray:
-        """Return the correlation functions of consecutive blocks of time in which all lags were met, (blocks, lags, count)."""
+        """Return the functions of those blocks of time in which all lags were met, (blocks, lags, count)."""
         done = self._finished()
         used = done._used()
         full = done._counts[: self._chunks // self._length][:, used].min(axis=1, initial=1) > 0
@@ -76,14 +76,14 @@ class MultipleTau:
         return blocks
 
     def integrals(self, spacing: float) -> tuple[FloatArray, FloatArray]:
-        """Return the running integral over the lags by the trapezoidal rule, and its standard error, (lags, count) each.
+        """Return the running integral by the trapezoidal rule and its standard error, (lags, count) each.
 
         Args:
             spacing: time between samples.
 
         The error comes from the blocks and is not a number when there are too few.
         """
-        times = self.lags() * spacing
+        times = np.asarray(self.lags() * spacing, dtype=np.float64)
         blocks = running_integral(times, self.block_values())
         errors = np.array([[standard_error(series) for series in lag.T] for lag in np.moveaxis(blocks, 1, 0)])
         return running_integral(times, self.values()), errors.reshape(len(times), -1)

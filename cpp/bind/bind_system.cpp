@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -125,19 +126,22 @@ py::array_t<std::int64_t> distance_counts(const System& system) {
     return py::array_t<std::int64_t>(static_cast<py::ssize_t>(counts.size()), counts.data());
 }
 
-py::tuple profile_of(System& system, int axis, std::int32_t layers) {
+using Numbers = py::array_t<double>;
+using Counts = py::array_t<std::int64_t>;
+
+std::tuple<Numbers, Numbers, Numbers, Counts> profile_of(System& system, int axis, std::int32_t layers) {
     StressProfile profile;
     {
         const py::gil_scoped_release release;
         profile = stress_profile(system.state, system.forces, axis, layers);
     }
+    const auto rows = static_cast<py::ssize_t>(layers);
     const auto tensors = [&](const std::vector<double>& values) {
-        return py::array_t<double>({static_cast<py::ssize_t>(layers), py::ssize_t{6}}, values.data());
+        return Numbers({rows, py::ssize_t{6}}, values.data());
     };
     const auto species = static_cast<py::ssize_t>(system.forces.pairs().table().species());
-    return py::make_tuple(
-        tensors(profile.kinetic), tensors(profile.conservative), tensors(profile.bonded),
-        py::array_t<std::int64_t>({static_cast<py::ssize_t>(layers), species}, profile.beads.data()));
+    return {tensors(profile.kinetic), tensors(profile.conservative), tensors(profile.bonded),
+            Counts({rows, species}, profile.beads.data())};
 }
 
 }  // namespace

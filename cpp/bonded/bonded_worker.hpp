@@ -15,8 +15,8 @@
 namespace dlpoly::bonded {
 
 // Is shown every term instead of its energy and virial being added: its beads, the forces on all of them but the last
-// (whose force is minus their sum) and the arms from the last bead to the others. A tether has one bead, one force and the
-// arm from its anchor.
+// (whose force is minus their sum) and the arms from the last bead to the others. A tether has one bead, one force and
+// the arm from its anchor.
 class TermVisitor {
   public:
     TermVisitor() = default;

@@ -70,9 +70,9 @@ class PairVisitor {
 // What is the same for all pairs of one walk.
 struct PairWalk {
     ForceRequest request;
-    bool motion = false;                   // drag and noise act
-    bool forces = true;                    // else second derivatives of the energy, or what a visitor makes of the pairs
-    PairVisitor* visitor = nullptr;        // nullptr: second derivatives
+    bool motion = false;             // drag and noise act
+    bool forces = true;              // else second derivatives of the energy, or what a visitor makes of the pairs
+    PairVisitor* visitor = nullptr;  // nullptr: second derivatives
     const std::uint8_t* frozen = nullptr;  // by id; for the curvature
     double scale = 0.0;
     double energy_scale = 0.0;

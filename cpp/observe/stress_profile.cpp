@@ -190,7 +190,8 @@ void on_a_grid(int exponent, std::uint64_t step, const Walk& walk) {
     for (;;) {
         const LayerSums sums = walk(exponent);
         if (sums.lost()) {
-            throw RunFailure("step " + std::to_string(step) + ": a force or velocity of the stress profile is not finite");
+            throw RunFailure("step " + std::to_string(step) +
+                             ": a force or velocity of the stress profile is not finite");
         }
         if (sums.largest() < largest_layer_term) {
             return;
@@ -203,7 +204,8 @@ void add_kinetic(const State& state, const Layers& layers, StressProfile& profil
     const Particles& particles = state.particles;
     double largest = 1e-12;
     for (Eigen::Index i = 0; i < particles.count(); ++i) {
-        largest = std::max(largest, particles.mass[static_cast<std::size_t>(i)] * particles.velocity.row(i).squaredNorm());
+        largest =
+            std::max(largest, particles.mass[static_cast<std::size_t>(i)] * particles.velocity.row(i).squaredNorm());
     }
     on_a_grid(std::isfinite(largest) ? grid_exponent(largest) : 0, state.step, [&](int exponent) {
         LayerSums sums(layers, std::ldexp(1.0, exponent));

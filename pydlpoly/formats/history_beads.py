@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from itertools import islice
-from typing import IO, NamedTuple
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 
@@ -118,12 +118,12 @@ def join_beads(parts: list[Beads]) -> Beads:
     known: dict[str, str] = {}  # one string object a species, not one a bead
     names = [known.setdefault(name, name) for part in parts for name in part.names]
     indices = np.concatenate([part.indices for part in parts])
-    fields = [[array for array in column if array is not None] for column in list(zip(*parts, strict=True))[2:]]
+    columns: list[list[Any]] = [[part[place] for part in parts] for place in range(2, len(Beads._fields))]
     parts.clear()
-    arrays = []
-    for column in fields:
-        arrays.append(np.concatenate(column) if column else None)
-        column.clear()
+    arrays: list[FloatArray | None] = []
+    for column in columns:
+        arrays.append(None if column[0] is None else np.concatenate(column))
+        column.clear()  # so that no more than one column is there twice
     places = np.arange(1, len(indices) + 1)
     if not np.array_equal(indices, places):
         order = np.argsort(indices, kind="stable")
@@ -131,7 +131,7 @@ def join_beads(parts: list[Beads]) -> Beads:
             names = [names[i] for i in order]
             indices = places
             arrays = [None if array is None else array[order] for array in arrays]
-    return Beads(tuple(names), indices, *arrays)
+    return Beads(tuple(names), indices, *arrays)  # type: ignore[arg-type]  # only the last two may be missing
 
 
 def _bead_words(line: str) -> list[str]:
