@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from pydlpoly import __version__
 from pydlpoly.background import BackgroundWriter
+from pydlpoly.correlations import StressCorrelations
 from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import atomic_file
 from pydlpoly.formats.config_writer import write_config_to
@@ -29,6 +30,7 @@ from pydlpoly.formats.records import Configuration, FloatArray
 from pydlpoly.formats.statis import STATISTICS_NAMES, StatisticsRecord, StatisticsWriter
 from pydlpoly.scene.model import Scene
 from pydlpoly.simulation import Observation, Simulation
+from pydlpoly.stress_profile import StressProfile
 from pydlpoly.temperatures import EnergyDrift, TemperatureSamples
 
 _TENSORS = ("kinetic", "conservative", "drag", "noise", "bonded")
@@ -390,6 +392,12 @@ class OutputReporter:
             thermostat_temperature=self._temperatures.target,
             energy_drift=self._drift.estimate(),
             loop_steps=simulation.step - self._first_step,
+            stress_estimates=[
+                estimate
+                for reporter in simulation.reporters
+                if isinstance(reporter, (StressProfile, StressCorrelations))
+                for estimate in reporter.estimates()
+            ],
         )
         if self._writer is not None:
             self._writer.summary(summary)
@@ -486,6 +494,40 @@ class CheckpointReporter:
         if self._rdf is not None:
             write_distances(simulation, self._rdf)
         self.written_step = simulation.step
+
+
+def stress_reporters(simulation: Simulation, folder: Path) -> list[StressProfile | StressCorrelations]:
+    """Return the reporters of STRPRF and COR that the scene asks for."""
+    scene = simulation.scene
+    profile, correlations = scene.output.profile, scene.output.correlations
+    after = 0 if scene.run.record_equilibration else scene.run.equilibration_steps
+    reporters: list[StressProfile | StressCorrelations] = []
+    if profile.every > 0:
+        path = folder / profile.file if profile.file is not None else None
+        reporters.append(
+            StressProfile(
+                simulation,
+                axis=profile.axis,
+                layers=profile.layers,
+                every=profile.every,
+                after=after,
+                interfaces=profile.interfaces,
+                path=path,
+            )
+        )
+    if correlations.terms:
+        path = folder / correlations.file if correlations.file is not None else None
+        reporters.append(
+            StressCorrelations(
+                simulation,
+                correlations.terms,
+                every=correlations.every,
+                after=after,
+                path=path,
+                dump=correlations.dump_every,
+            )
+        )
+    return reporters
 
 
 def configuration_of(simulation: Simulation) -> Configuration:

@@ -25,6 +25,7 @@ from pydlpoly.reporters import (
     OutputReporter,
     StatisticsReporter,
     TrajectoryReporter,
+    stress_reporters,
 )
 from pydlpoly.scene.model import OutputPlan, Scene
 from pydlpoly.simulation import Simulation
@@ -157,6 +158,8 @@ def _file_names(output: OutputPlan) -> list[str]:
         output.diagnostics_file if output.diagnostics_every > 0 else None,
         output.trajectory_file if output.trajectory_every > 0 else None,
         output.rdf_file if output.rdf_every > 0 else None,
+        output.profile.file if output.profile.every > 0 else None,
+        output.correlations.file if output.correlations.terms else None,
         output.configuration_file,
         output.checkpoint_file,
     ]
@@ -222,6 +225,7 @@ def _reporters(
             opened.callback(log.close)
         except RunError as error:  # a file that cannot be opened is a matter of the input, not of the physics
             raise InputError(str(error)) from error
-        keeper = CheckpointReporter(simulation, folder, files)
-        simulation.reporters += [log, *files, keeper]
+        stress = stress_reporters(simulation, folder)
+        keeper = CheckpointReporter(simulation, folder, [*files, *stress])
+        simulation.reporters += [log, *files, *stress, keeper]
         yield log, keeper

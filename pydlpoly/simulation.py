@@ -416,6 +416,22 @@ class Simulation:
             return float(system.volume)
         return float(system.distance_volumes) / samples
 
+    def layer_sums(self, axis: int, layers: int) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.int64]]:
+        """Return Σ m v_a v_b, and Σ F_a r_b of pair laws and of bonded terms, in layers of the cell at this step.
+
+        Args:
+            axis: 0, 1 or 2; the cell must be periodic along it, with a vector along it perpendicular to the other two.
+            layers: number of layers of equal thickness.
+
+        Returns:
+            Three arrays (layers, 6) of the components xx yy zz xy xz yz in internal energy units, and the number of
+            beads, (layers, species). Drag, noise and the long-range correction are not in them.
+
+        Raises:
+            ValueError: the cell has another shape.
+        """
+        return self._engine.layer_sums(axis, layers)
+
     # Checkpoints
 
     def save(self, path: str | Path) -> None:

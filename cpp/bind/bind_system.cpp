@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,7 @@
 #include "integrate/system.hpp"
 #include "observe/configurational.hpp"
 #include "observe/kinetic.hpp"
+#include "observe/stress_profile.hpp"
 
 namespace py = pybind11;
 
@@ -125,6 +127,24 @@ py::array_t<std::int64_t> distance_counts(const System& system) {
     require(system.distances.has_value(), "pair distances are not sampled in this system");
     const std::vector<std::int64_t>& counts = system.distances->counts();
     return py::array_t<std::int64_t>(static_cast<py::ssize_t>(counts.size()), counts.data());
+}
+
+using Numbers = py::array_t<double>;
+using Counts = py::array_t<std::int64_t>;
+
+std::tuple<Numbers, Numbers, Numbers, Counts> profile_of(System& system, int axis, std::int32_t layers) {
+    StressProfile profile;
+    {
+        const py::gil_scoped_release release;
+        profile = stress_profile(system.state, system.forces, axis, layers);
+    }
+    const auto rows = static_cast<py::ssize_t>(layers);
+    const auto tensors = [&](const std::vector<double>& values) {
+        return Numbers({rows, py::ssize_t{6}}, values.data());
+    };
+    const auto species = static_cast<py::ssize_t>(system.forces.pairs().table().species());
+    return {tensors(profile.kinetic), tensors(profile.conservative), tensors(profile.bonded),
+            Counts({rows, species}, profile.beads.data())};
 }
 
 }  // namespace
@@ -409,6 +429,8 @@ void bind_system(py::module_& m) {
                 return std::pair<double, double>{found.squared_force, found.curvature};
             },
             py::call_guard<py::gil_scoped_release>(), "Σ|∇U|² and Σ∇²U over the mobile beads at the present positions.")
+        .def("stress_profile", &profile_of, py::arg("axis"), py::arg("layers"),
+             "Σ m v_a v_b, Σ F_a r_b of pairs and of bonded terms, (layers, 6) each, and beads (layers, species).")
         .def_property_readonly(
             "thermostat_energy",
             [](const System& s) {

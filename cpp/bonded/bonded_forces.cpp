@@ -206,6 +206,22 @@ double BondedForces::curvature(const Box& box, const Particles& particles, const
     return total.lost ? std::numeric_limits<double>::quiet_NaN() : total.sum.value(grid_exponent(force));
 }
 
+void BondedForces::visit(const Box& box, const Particles& particles, const PairTable& pairs, std::uint64_t step,
+                         bonded::TermVisitor& visitor) {
+    if (bounds_.empty()) {
+        prepare(1);
+    }
+    const bonded::MinimumImage image(box);
+    bonded::Request request;
+    request.observe = true;
+    request.visitor = &visitor;
+    bonded::Worker worker(request, nullptr);  // no force is added
+    for (std::size_t p = 0; p < bounds_.size(); ++p) {
+        part(p, image, particles.position.data(), particles.species, pairs, worker);
+    }
+    report(std::span(&worker, 1), image, step);
+}
+
 void BondedForces::report(std::span<const bonded::Worker> workers, const bonded::MinimumImage& image,
                           std::uint64_t step) {
     bonded::Failure first;

@@ -56,6 +56,10 @@ class BondedForces {
     // Σ ∂²U/∂x² over the coordinates of all mobile beads; not a number when a term cannot be computed.
     [[nodiscard]] double curvature(const Box& box, const Particles& particles, const PairTable& pairs) const;
 
+    // Shows the visitor every term at the present positions. Throws RunFailure as add_to does.
+    void visit(const Box& box, const Particles& particles, const PairTable& pairs, std::uint64_t step,
+               bonded::TermVisitor& visitor);
+
     // For any other path. prepare() shares the beads out among `parts` threads. Then each thread p calls part(p) with a
     // worker of its own that adds to the same sums (3 a bead, by id); after all of them, one thread calls part(parts)
     // for the terms that cross the borders. Positions are 3 numbers a bead, by id, in any image.

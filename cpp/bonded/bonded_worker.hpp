@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "bonded/law.hpp"
 #include "core/exact_sum.hpp"
@@ -13,11 +14,28 @@
 
 namespace dlpoly::bonded {
 
+// Is shown every term instead of its energy and virial being added: its beads, the forces on all of them but the last
+// (whose force is minus their sum) and the arms from the last bead to the others. A tether has one bead, one force and
+// the arm from its anchor.
+class TermVisitor {
+  public:
+    TermVisitor() = default;
+    TermVisitor(const TermVisitor&) = delete;
+    TermVisitor& operator=(const TermVisitor&) = delete;
+    TermVisitor(TermVisitor&&) = delete;
+    TermVisitor& operator=(TermVisitor&&) = delete;
+    virtual ~TermVisitor() = default;
+
+    virtual void visit(std::size_t component, std::span<const std::uint32_t> beads, std::span<const Vector3> forces,
+                       std::span<const Vector3> arms) = 0;
+};
+
 // What one walk over the terms is asked for.
 struct Request {
     Vector3 scale = Vector3::Ones();  // grid units per force along each axis: a force is rounded once, times this
     double energy_scale = 0.0;        // grid units per energy
     bool observe = false;             // also energies and virials
+    TermVisitor* visitor = nullptr;   // with observe: is shown the terms
 };
 
 // Energies and virials are added in 128 bits: their terms may be this large.
@@ -65,6 +83,10 @@ class Worker {
         largest *= static_cast<double>(count);
         largest_ = std::max(largest_, largest / largest_term);
         if (request_.observe) {
+            if (request_.visitor != nullptr) {
+                request_.visitor->visit(component, beads, forces, arms);
+                return true;
+            }
             observe(component, energy, forces, arms);
         }
         if (largest >= largest_term) {

@@ -84,7 +84,7 @@ double PairForces::curvature(const Box& box, const Particles& particles) {
         return 0.0;
     }
     PairWalk walk;
-    walk.curvature = true;
+    walk.forces = false;
     walk.frozen = particles.frozen.data();
     walk.threads = useful_threads(particles.count());
     const double range = table_.range();
@@ -99,6 +99,18 @@ double PairForces::curvature(const Box& box, const Particles& particles) {
         lost = lost || worker->curvature_lost;
     }
     return lost ? std::numeric_limits<double>::quiet_NaN() : sum.value(exponent);
+}
+
+void PairForces::visit(const Box& box, const Particles& particles, PairVisitor& visitor) {
+    if (table_.range() <= 0.0 || particles.count() == 0) {
+        return;
+    }
+    PairWalk walk;
+    walk.forces = false;
+    walk.visitor = &visitor;
+    walk.threads = useful_threads(particles.count());
+    update_list(box, particles, walk.threads);
+    static_cast<void>(visit_pairs(walk));
 }
 
 void PairForces::add_curvature(const PairWalk& walk, PairWorker& worker) const {
@@ -273,8 +285,13 @@ void PairForces::finish_batch(const PairWalk& walk, PairWorker& worker) {
     if (batch.size == 0) {
         return;
     }
-    if (walk.curvature) {
-        add_curvature(walk, worker);
+    if (!walk.forces) {
+        if (walk.visitor == nullptr) {
+            add_curvature(walk, worker);
+        } else if (const PairKernel* kernel = table_.kernel(batch.term)) {
+            kernel->evaluate(batch, worker.result);
+            walk.visitor->visit(batch, worker.result.conservative.values, list_.order().data(), thread_number());
+        }
         batch.size = 0;
         batch.runs = 0;
         return;

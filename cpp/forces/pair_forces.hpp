@@ -53,7 +53,12 @@ class PairForces {
     // Σ ∂²U/∂x² of all pairs over the coordinates of the mobile beads; not a number when it is beyond all bounds.
     [[nodiscard]] double curvature(const Box& box, const Particles& particles);
 
+    // Shows the visitor every pair within its reach.
+    void visit(const Box& box, const Particles& particles, PairVisitor& visitor);
+
     [[nodiscard]] const PairTable& table() const noexcept { return table_; }
+    // The grid that sums of energies begin with.
+    [[nodiscard]] int energy_exponent() const noexcept { return base_energy_exponent_; }
     [[nodiscard]] const LinkCells& cells() const noexcept { return list_.cells(); }
 
   private:

@@ -55,11 +55,26 @@ struct PairWorker {
     }
 };
 
+// Is shown all pairs in one walk, batch by batch, with the conservative factor of each pair's vector r_i − r_j; `order`
+// turns the batch's sorted indices into ids. Called by several threads at once, each with its number.
+class PairVisitor {
+  public:
+    PairVisitor() = default;
+    PairVisitor(const PairVisitor&) = delete;
+    PairVisitor& operator=(const PairVisitor&) = delete;
+    PairVisitor(PairVisitor&&) = delete;
+    PairVisitor& operator=(PairVisitor&&) = delete;
+    virtual ~PairVisitor() = default;
+
+    virtual void visit(const PairBatch& batch, const double* factors, const std::uint32_t* order, int thread) = 0;
+};
+
 // What is the same for all pairs of one walk.
 struct PairWalk {
     ForceRequest request;
-    bool motion = false;                   // drag and noise act
-    bool curvature = false;                // second derivatives of the energy instead of forces
+    bool motion = false;             // drag and noise act
+    bool forces = true;              // else second derivatives of the energy, or what a visitor makes of the pairs
+    PairVisitor* visitor = nullptr;  // nullptr: second derivatives
     const std::uint8_t* frozen = nullptr;  // by id; for the curvature
     double scale = 0.0;
     double energy_scale = 0.0;

@@ -172,6 +172,12 @@ class NativeEngine:
         squared_force, curvature = self.system.configurational()
         return float(squared_force), float(curvature)
 
+    def layer_sums(self, axis: int, layers: int) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.int64]]:
+        """Return kinetic, pair and bonded sums (layers, 6) and beads (layers, species), see cpp/observe."""
+        _core.set_threads(self.threads)
+        kinetic, conservative, bonded, beads = self.system.stress_profile(axis, layers)
+        return np.asarray(kinetic), np.asarray(conservative), np.asarray(bonded), np.asarray(beads)
+
     def distance_counts(self, bins: int, species: int) -> NDArray[np.int64]:
         """Return pair distance counts, (species, species, bins), pairs counted once under a ≤ b."""
         return np.asarray(self.system.distance_counts()).reshape(species, species, bins)

@@ -20,6 +20,7 @@ from pydlpoly.formats.lexing import (
     parse_number,
     plain_line_ends,
 )
+from pydlpoly.formats.plain_lines import plain_heads, plain_vectors
 from pydlpoly.formats.records import Configuration, FloatArray, IntArray
 
 __all__ = ["parse_config", "read_config", "write_config", "write_config_to"]
@@ -76,7 +77,7 @@ class _ConfigReader:
         self.warnings: list[str] = []
         self.names: list[str] = []
         self.full_names: dict[str, str] = {}
-        self.indices: list[int] = []
+        self.indices: list[IntArray] = []  # one array a chunk
         self.level = 0
         self.first_line = 0
 
@@ -205,9 +206,14 @@ class _ConfigReader:
     def _beads(self) -> list[FloatArray]:
         records = 2 + self.level
         parts: list[list[FloatArray]] = []
-        while rows := [text.split() for text in islice(self.lines, _CHUNK * records)]:
+        while texts := list(islice(self.lines, _CHUNK * records)):
             start = self.line + 1
-            self.line += len(rows)
+            self.line += len(texts)
+            plain = self._plain_chunk(texts, start, records)
+            if plain is not None:
+                parts.append(plain)
+                continue
+            rows = [text.split() for text in texts]
             at_end = not all(rows)
             if at_end:
                 rows = self._before_blank_end(rows, start)
@@ -248,12 +254,28 @@ class _ConfigReader:
                 vectors = self._careful_chunk(rows, start, records)
                 break
             vectors.append(array)
-        self._take_names(name_rows, start, records)
-        self.indices.extend(
-            int(row[1]) if len(row) > 1 and row[1].isdecimal() and len(row[1]) < 19 else _index(row)
-            for row in name_rows
-        )
+        self._take_names([row[0] for row in name_rows], start, records)
+        self.indices.append(np.array([_index(row) for row in name_rows], dtype=np.int64))
         return vectors
+
+    def _plain_chunk(self, texts: list[str], start: int, records: int) -> list[FloatArray] | None:
+        """As ``_chunk`` at the speed of large files; None, with nothing taken, where anything needs a careful look."""
+        heads = plain_heads(texts[::records])
+        if len(texts) % records or heads is None:
+            return None
+        vectors = [plain_vectors(texts[kind::records]) for kind in range(1, records)]
+        whole = [v for v in vectors if v is not None]
+        if len(whole) < len(vectors):
+            return None
+        names, *columns = heads
+        if columns and not (all(map(str.isdecimal, columns[0])) and max(map(len, columns[0])) < 19):
+            return None
+        if len(columns) > 1 and any(name[0] in "+-.0123456789" for name in names):
+            return None  # three numbers in place of a name
+        self._take_names(names, start, records)
+        indices = np.fromiter(map(int, columns[0]), np.int64, len(names)) if columns else np.zeros(len(names), np.int64)
+        self.indices.append(indices)
+        return whole
 
     def _careful_chunk(self, rows: list[list[str]], start: int, records: int) -> list[FloatArray]:
         """Read bead by bead, for numbers that only Fortran understands and for the place of an error."""
@@ -283,8 +305,7 @@ class _ConfigReader:
             self._fail(f"expected three numbers, the {what}; found {len(values)}", line)
         return values[0], values[1], values[2]
 
-    def _take_names(self, rows: _Rows, start: int, records: int) -> None:
-        names = [row[0] for row in rows]
+    def _take_names(self, names: list[str], start: int, records: int) -> None:
         full_names = self.full_names
         for name in dict.fromkeys(names):
             short = name[:WORD_LIMIT]
@@ -301,8 +322,8 @@ class _ConfigReader:
         """Return the order that sorts the beads by index, or None when they stand in it already."""
         if self.ignore_indices:
             return None
-        places: IntArray = np.arange(1, len(self.indices) + 1, dtype=np.int64)
-        indices: IntArray = np.array(self.indices, dtype=np.int64)
+        indices: IntArray = np.concatenate(self.indices)
+        places: IntArray = np.arange(1, len(indices) + 1, dtype=np.int64)
         unreadable = np.flatnonzero(indices == _NOT_AN_INDEX)
         if len(unreadable):
             told = f"the second word of {len(unreadable)} name lines is not an index"

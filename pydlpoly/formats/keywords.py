@@ -294,6 +294,10 @@ _REPORTS = (
     _option("rdf_error_analysis", "off jackknife block", "off", "errors of radial distributions",
             "ignored: RDFDAT is written without errors", "rdf errors jack|block n"),
     _int("rdf_error_analysis_blocks", "1", "number of blocks", "ignored: RDFDAT is written without errors"),
+    _steps("stress_profile_frequency", "0 steps", "interval of the stress in layers; 0 = none"),
+    _option("stress_profile_axis", "x y z", "z", "the layers are perpendicular to it"),
+    _float("stress_profile_binsize", "length", "0.1 ang", "thickness of a layer, rounded to a whole number of them"),
+    _int("stress_profile_interfaces", "2", "how many interfaces share the surface tension"),
     _option("io_units_scheme", "internal dpd si atomic hartree kj kcal boltzmann", "internal", "units of reports",
             effects=dict.fromkeys(("si", "atomic", "hartree", "kj", "kcal", "boltzmann"),
                                   "ignored: reports follow FIELD's units")),
@@ -312,6 +316,8 @@ _REPORTS = (
     _string("io_file_revold", "REVOLD", "checkpoint to continue from", old="io revold name"),
     _string("io_file_revcon", "REVCON", "last configuration; NONE is special", old="io revcon name, l_tor"),
     _string("io_file_rdf", "RDFDAT", "radial distributions; NONE is special", old="io rdf name"),
+    _string("io_file_stress_profile", "STRPRF", "stress in layers; NONE is special"),
+    _string("io_file_cor", "COR", "correlation functions; NONE is special", old="io cor name"),
     _string("io_file_tabvdw", "TABVDW", "table of pair laws (TABLE with an old-style CONTROL)", old="io tabvdw name"),
     _string("io_file_control", "CONTROL", "this file", "ignored: it is already being read", "io control name"),
     *(_string(f"io_file_{name}", name.upper(), f"table of {what}", old=f"io {name} name") for name, what in (
@@ -319,7 +325,7 @@ _REPORTS = (
     _string("io_file_tabeam", "TABEAM", "table of metal laws", _METAL, "io tabeam name"),
     *(_string(f"io_file_{name}", default, "a file pydlpoly does not write or read",
               "ignored: pydlpoly does not write or read this file", f"io {name} name") for name, default in (
-        ("historf", "HISTORF"), ("msd", "MSDTMP"), ("cor", "COR"), ("currents", "CURRENTS"), ("heatflux", "HEATFLUX"),
+        ("historf", "HISTORF"), ("msd", "MSDTMP"), ("currents", "CURRENTS"), ("heatflux", "HEATFLUX"),
         ("setevb", "SETEVB"), ("popevb", "POPEVB"), ("field_2", "FIELD2"), ("field_3", "FIELD3"),
         ("config_2", "CONFIG2"), ("config_3", "CONFIG3"), ("revcon_2", "REVCON2"), ("revcon_3", "REVCON3"))),
     _bool("io_statis_yaml", "off", "STATIS as YAML", old="yml_statis"),
@@ -374,7 +380,7 @@ _ANALYSES = (
     *(_steps(name, default, "interval of an analysis", _NOT_WRITTEN) for name, default in (
         ("msd_frequency", "1 steps"), ("zden_frequency", "1 steps"), ("vaf_frequency", "1 steps"),
         ("defects_interval", "1 steps"), ("displacements_interval", "1 steps"), ("coord_interval", "100 steps"),
-        ("adf_frequency", "100 steps"), ("correlation_dump_frequency", "0 steps"), ("analyse_frequency", "1 steps"),
+        ("adf_frequency", "100 steps"), ("analyse_frequency", "1 steps"),
         ("analyse_frequency_bonds", "1 steps"), ("analyse_frequency_angles", "1 steps"),
         ("analyse_frequency_dihedrals", "1 steps"), ("analyse_frequency_inversions", "1 steps"))),
     *(_steps(f"{name}_start", "0 steps", "first step of an analysis", _NOT_WRITTEN) for name in
@@ -387,9 +393,13 @@ _ANALYSES = (
         ("analyse_num_bins_angles", "0"), ("analyse_num_bins_dihedrals", "0"), ("analyse_num_bins_inversions", "0"))),
     _option("coord_ops", "icoord ccoord full", "icoord", "kind of coordination list", _NOT_WRITTEN),
     _float("adf_precision", "number", "0.0", "precision of angular distributions", _NOT_WRITTEN),
-    *(_string(name, "", "what is correlated", _NOT_WRITTEN) for name in ("correlation_observable", "momentum_density")),
-    *(_vector(f"correlation_{name}", "integers", 0, "", "shape of the correlator", _NOT_WRITTEN) for name in
-      ("blocks", "block_points", "window", "update_frequency")),
+    _string("momentum_density", "", "what is correlated", _NOT_WRITTEN),
+    _string("correlation_observable", "", "components of the stress to correlate, such as [s_xy-s_xy s_xz-s_xz]"),
+    *(_vector(f"correlation_{name}", "integers", 0, default, meaning) for name, default, meaning in (
+        ("blocks", "[ 1 ]", "levels of each correlator"), ("block_points", "[ 100 ]", "lags of a level"),
+        ("window", "[ 1 ]", "values of a level that make one of the next"),
+        ("update_frequency", "[ 1 ]", "interval of the samples, one for all"))),
+    _steps("correlation_dump_frequency", "0 steps", "interval of COR; 0 = with checkpoints alone"),
 )  # fmt: skip
 
 _TWO_TEMPERATURE = (

@@ -57,6 +57,7 @@ class RunSummary:
             when there are no samples, or nothing acts.
         thermostat_temperature: None without a thermostat, or when it varies.
         energy_drift: of the total energy per bead and unit of time, in nve runs.
+        stress_estimates: what was made of samples of the stress: name, estimate and unit.
     """
 
     steps: int
@@ -78,6 +79,7 @@ class RunSummary:
     configurational_temperature: Estimate | None = None
     thermostat_temperature: float | None = None
     energy_drift: Estimate | None = None
+    stress_estimates: Sequence[tuple[str, Estimate, str]] = ()
 
 
 class OutputWriter:
@@ -151,7 +153,7 @@ class OutputWriter:
             pieces += [self._final_averages(summary), self._pressure_tensor(summary)]
             if summary.diffusion:
                 pieces.append(_diffusion(summary.diffusion, reduced=not self._time))
-        pieces += [self._temperatures(summary), self._energy_drift(summary)]
+        pieces += [self._temperatures(summary), self._energy_drift(summary), _stress_estimates(summary)]
         if summary.warnings:
             pieces.append("Warnings of this run:\n" + "".join(f"  {_one_line(w)}\n" for w in summary.warnings) + "\n")
         pieces.append(_timings(summary))
@@ -247,6 +249,16 @@ class OutputWriter:
         units = [unit for unit in (self._energy, self._time) if unit]
         text = f"Drift of the total energy per bead and time, a straight line{_samples_of(summary.energy_drift)}:\n"
         return text + _estimate("drift", summary.energy_drift, "/".join(units)) + "\n"
+
+
+def _stress_estimates(summary: RunSummary) -> str:
+    if not summary.stress_estimates:
+        return ""
+    lines = [
+        _estimate(name, estimate, unit).rstrip("\n") + f"{_samples_of(estimate)}\n"
+        for name, estimate, unit in summary.stress_estimates
+    ]
+    return "From the stress, with standard errors:\n" + "".join(lines) + "\n"
 
 
 def _samples_of(estimate: Estimate) -> str:

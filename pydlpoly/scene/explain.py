@@ -13,7 +13,7 @@ from pydlpoly.scene import explain_bonded
 from pydlpoly.scene.cell import widths
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
 from pydlpoly.scene.laws import pair_laws
-from pydlpoly.scene.model import Note, PairTerm, Scene
+from pydlpoly.scene.model import CorrelationPlan, Note, PairTerm, ProfilePlan, Scene
 from pydlpoly.units import BOLTZMANN
 
 _WIDTH = 100
@@ -430,6 +430,7 @@ def _output(scene: Scene) -> list[str]:
             f"radial distribution in bins of {plan.rdf_bin_width:g}{word.length} for {pairs}",
         ),
     ]
+    files += [_profile(plan.profile), _correlations(plan.correlations)]
     lines = [_wrap(f"{name}: {_every(every)}, {what}") for name, every, what in files if name and every]
     usual = (plan.statistics_file, plan.trajectory_file, plan.rdf_file)
     silent = [name for name, every, _ in files if name in usual and name and not every]
@@ -441,6 +442,16 @@ def _output(scene: Scene) -> list[str]:
     if silent:
         flat.append(f"not written: {', '.join(silent)}")
     return flat or ["nothing is written"]
+
+
+def _profile(plan: ProfilePlan) -> tuple[str | None, int, str]:
+    what = f"stress in {plan.layers} layers along {plan.axis}: momenta, pair laws and bonded terms"
+    return plan.file, plan.every, what
+
+
+def _correlations(plan: CorrelationPlan) -> tuple[str | None, int, str]:
+    names = ", ".join(term.name for term in plan.terms)
+    return plan.file, plan.every if plan.terms else 0, f"correlations of the stress ({names})"
 
 
 def _absent(scene: Scene) -> list[str]:

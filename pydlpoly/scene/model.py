@@ -23,6 +23,7 @@ Precision = Literal["double", "mixed", "reference"]
 BondedKind = Literal["bond", "angle", "dihedral", "inversion", "tether"]
 CellMotion = Literal["isotropic", "height", "square", "edges"]
 SemiIsotropic = Literal["off", "area", "tension", "orthorhombic"]
+Axis = Literal["x", "y", "z"]
 Origin = Literal["given", "mixed", "filled", "overridden", "default", "none"]
 
 
@@ -311,6 +312,55 @@ class RunPlan:
 
 
 @dataclass(frozen=True)
+class ProfilePlan:
+    """The stress in layers: along which axis ("x", "y" or "z"), in how many layers, every how many steps (0 = never).
+
+    ``interfaces`` divides the surface tension.
+    """
+
+    every: int = 0
+    axis: Axis = "z"
+    layers: int = 1
+    interfaces: int = 2
+    file: str | None = "STRPRF"
+
+
+@dataclass(frozen=True)
+class CorrelationTerm:
+    """A correlation ⟨σ_A(t) σ_B(t + τ)⟩ of two components of the stress, and the shape of its correlator.
+
+    ``left`` and ``right`` are places in the tensor. Level k of ``blocks`` has lags up to ``points`` − 1 in units of
+    ``window``^k samples.
+    """
+
+    left: tuple[int, int]
+    right: tuple[int, int]
+    points: int = 100
+    blocks: int = 1
+    window: int = 1
+
+    @property
+    def name(self) -> str:
+        """As in COR."""
+        return "-".join("stress_" + "".join("xyz"[k] for k in place) for place in (self.left, self.right))
+
+    @property
+    def is_shear(self) -> bool:
+        """Whether it is a shear component with itself, as the viscosity needs it."""
+        return self.left == self.right and self.left[0] != self.left[1]
+
+
+@dataclass(frozen=True)
+class CorrelationPlan:
+    """What is correlated, every how many steps, and how often COR is written beside checkpoints (0 = not)."""
+
+    terms: tuple[CorrelationTerm, ...] = ()
+    every: int = 1
+    dump_every: int = 0
+    file: str | None = "COR"
+
+
+@dataclass(frozen=True)
 class OutputPlan:
     """What is written, how often (in steps, 0 = never) and under what name (None = not written).
 
@@ -337,6 +387,8 @@ class OutputPlan:
     rdf_file: str | None = "RDFDAT"
     configuration_file: str | None = "REVCON"
     checkpoint_file: str | None = "REVIVE"
+    profile: ProfilePlan = ProfilePlan()
+    correlations: CorrelationPlan = CorrelationPlan()
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from pydlpoly.errors import SceneError, suggest
-from pydlpoly.formats.records import Field
+from pydlpoly.formats.records import Field, FloatArray
 from pydlpoly.scene.model import OutputPlan, PairTerm
 from pydlpoly.scene.settings import Notes, Settings
+from pydlpoly.scene.stress import resolve_correlations, resolve_profile
 
 _TRAJECTORY_LEVELS = {"pos": 0, "pos-vel": 1, "pos-vel-force": 2}
 # DL_POLY keeps rolling averages over at least this many steps.
@@ -13,7 +14,14 @@ _LEAST_STACK = 100
 
 
 def resolve_output(
-    settings: Settings, field: Field, species: tuple[str, ...], pairs: tuple[PairTerm, ...], cutoff: float, notes: Notes
+    settings: Settings,
+    field: Field,
+    species: tuple[str, ...],
+    pairs: tuple[PairTerm, ...],
+    cutoff: float,
+    notes: Notes,
+    cell: FloatArray,
+    periodic: tuple[bool, bool, bool],
 ) -> OutputPlan:
     """Return the intervals and names of everything that is written.
 
@@ -24,6 +32,7 @@ def resolve_output(
         pairs: the pair table; without an ``rdf`` block every pair with a law is collected.
         cutoff: the global cutoff (Å), the range of the radial distribution.
         notes: receives what was adjusted.
+        cell, periodic: the cell, for the layers of the stress profile.
 
     Raises:
         SceneError: a negative interval, or an ``rdf`` pair of unknown species.
@@ -54,6 +63,8 @@ def resolve_output(
         rdf_file=settings.file_name("io_file_rdf") if settings.switch("rdf_print") else None,
         configuration_file=settings.file_name("io_file_revcon"),
         checkpoint_file=settings.file_name("io_file_revive"),
+        profile=resolve_profile(settings, cell, periodic, notes),
+        correlations=resolve_correlations(settings, notes),
     )
 
 

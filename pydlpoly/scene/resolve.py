@@ -96,7 +96,7 @@ def resolve(
     dynamics, degrees = settle_momentum(dynamics, layout, external, walls, settings, notes)
     run = resolve_run(settings, dynamics.integrator != "nve", config, notes)
     fixed = dynamics.remove_drift or degrees == 3 * sum(layout.mobile_counts()) - 3
-    output = resolve_output(settings, field, layout.species_names, pairs, cutoffs[0], notes)
+    output = resolve_output(settings, field, layout.species_names, pairs, cutoffs[0], notes, cell, periodic)
     velocities = start_velocities(config, layout, run, fixed and dynamics.shear_rate == 0.0, notes)
     beads = _beads(layout, _wrapped(config, cell, periodic), velocities)
     bonded = resolve_bonded(field, field_units.factor, beads, cell, periodic, config.path, notes, bonded_tables)

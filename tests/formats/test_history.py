@@ -283,7 +283,7 @@ def test_a_frame_torn_in_the_middle_of_a_file_is_left_out(tmp_path: Path) -> Non
         ("39.100000    1.0", "39.100000    one", 7, "'one00000': expected a number"),
         ("K+               2", "K+               x", 7, "expected name, index"),
         ("         1         1         2\n", " 1.5 what\n", 2, "is not a formatted HISTORY file"),
-        ("         1         1         2\n", " 3 1 2\n", 2, "level \\(0, 1 or 2\\)"),
+        ("         1         1         2\n", " 4 1 2\n", 2, "level \\(0, 1 or 2\\)"),
         ("timestep      2000", "tinestep      2000", 13, "expected 'timestep'"),
         ("timestep      1000         2", "timestep      1000         x", 3, "expected step, number of beads"),
         ("        0.000000       18.620000", "        0.000000       side", 4, "expected three cell vectors"),
