@@ -26,6 +26,7 @@ from pydlpoly.formats.records import (
     Setting,
     SettingValue,
 )
+from pydlpoly.scene.cell import wrap
 from pydlpoly.scene.dynamics import combine_seed
 from pydlpoly.units import BOLTZMANN
 
@@ -199,7 +200,7 @@ def start_configuration(control: Control, field: Field) -> Configuration:
     text = f"no CONFIG: {', '.join(words)}, from {origin}; {density:g} beads per unit volume"
     return Configuration(
         names=tuple(names),
-        positions=np.concatenate(parts) if parts else np.zeros((0, 3)),
+        positions=wrap(np.concatenate([np.zeros((0, 3)), *parts]), cell, (True, True, True)),
         title=control.title,
         imcon=_imcon(meso.edges),
         cell=cell,
