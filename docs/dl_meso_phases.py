@@ -1,7 +1,8 @@
-"""Runs DL_MESO's four amphiphile inputs in full and writes their phases into docs/dl-meso.md: ``python docs/dl_meso_phases.py``.
+"""Runs DL_MESO's four amphiphile inputs in full and writes their phases into docs/dl-meso.md.
 
-The table stands between ``<!-- measured: phases -->`` and ``<!-- end: phases -->``; pictures go into docs/images. With
-``--keep FOLDER`` the last frames of each run stay there and are used again. Needs scipy and matplotlib, and minutes.
+``python docs/dl_meso_phases.py`` does so between ``<!-- measured: phases -->`` and ``<!-- end: phases -->``; pictures
+go into docs/images. With ``--keep FOLDER`` the last frames of each run stay there and are used again. Needs scipy and
+matplotlib, and minutes.
 
 The hydrophobic beads B tell phases apart by the shape of their domain and by the directions of their structure factor.
 A domain that reaches itself again through the periodic cell along none, one, two or three independent directions is

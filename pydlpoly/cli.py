@@ -168,7 +168,9 @@ def convert(
         raise typer.BadParameter(f"'{to}' is nothing to write; expected new, old or dl_poly", param_hint="--to")
     record = read_control(source, lenient=lenient)
     if record.meso is not None:
-        message = "this CONTROL is in DL_MESO's dialect, and FIELD and box belong to it; convert its folder --to dl_poly"
+        message = (
+            "this CONTROL is in DL_MESO's dialect, and FIELD and box belong to it; convert its folder --to dl_poly"
+        )
         raise InputError(message, path=str(source))
     for warning in record.warnings:
         typer.echo(f"warning: {warning}", err=True)

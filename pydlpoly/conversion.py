@@ -1,4 +1,4 @@
-"""Writes the files of a run anew in DL_POLY's newest form: what DL_MESO's dialect means, in files other programs read."""
+"""Writes the files of a run anew in DL_POLY's newest form, also from files in DL_MESO's dialect."""
 
 from __future__ import annotations
 

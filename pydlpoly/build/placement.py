@@ -1,7 +1,7 @@
 """Places points and rigid molecules at random or on a lattice in a periodic cell; numpy only.
 
-Everything random is made of ``Generator.random`` alone, so that a seed gives the same places with every release of numpy.
-Cells are (3, 3), one cell vector a row, with the origin at their centre. Lengths are in the unit of the cell.
+Everything random is made of ``Generator.random`` alone, so that a seed gives the same places with every numpy. Cells
+are (3, 3), one cell vector a row, with the origin at their centre. Lengths are in the unit of the cell.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def place_random(count: int, cell: ArrayLike, rng: np.random.Generator) -> Float
 
 
 def place_lattice(count: int, cell: ArrayLike) -> FloatArray:
-    """Return ``count`` points of a lattice whose axes follow the cell, as near to equal spacings as whole numbers allow.
+    """Return ``count`` points of a lattice along the cell's axes, as near to equal spacings as whole numbers allow.
 
     The lattice has at least ``count`` points; those left over stay empty, evenly spread over the lattice.
 

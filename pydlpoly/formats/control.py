@@ -41,6 +41,7 @@ __all__ = [
 _OLD_METHODS = {"dpds1": "first", "dpds2": "second"}
 """Names of the DPD thermostat that DL_POLY's help advertises: method and order in one word."""
 
+
 def read_control(path: str | Path, lenient: bool = False, dl_meso: bool = False) -> Control:
     """Read a CONTROL file of either style, or in DL_MESO's dialect.
 

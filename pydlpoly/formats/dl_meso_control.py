@@ -1,6 +1,6 @@
 """CONTROL files in DL_MESO's dialect, read as new-style settings; what no keyword can hold goes into ``MesoControl``.
 
-A directive is known by its leading letters, as DL_MESO compares them. All numbers are in the units of DPD (k_B = 1). The
+A directive is known by its leading letters, as DL_MESO compares them. All numbers are in units of DPD (k_B = 1). The
 last of several lines with the same directive counts, and numbers left out of a sequence are 0, both as in DL_MESO.
 """
 
@@ -162,9 +162,9 @@ def _without_effect(reason: str) -> Handler:
     return read
 
 
-def _refused(what: str) -> Handler:
+def _refused(what: str, cure: str = "") -> Handler:
     def read(line: _MesoLine) -> None:
-        raise line.error(f"asks for {what}, which is not modelled")
+        raise line.error(f"asks for {what}, which is not modelled{cure and f'; {cure}'}")
 
     return read
 
@@ -276,13 +276,13 @@ def _bjerrum(line: _MesoLine) -> None:
 
 _ORDERS = {
     "mdvv": "mdvv",
-    "dpdv": "dpdvv",
+    "dpdvv": "dpdvv",
     "dpds0": "zeroth",
     "dpds1": "first",
     "dpds2": "second",
     "lowe": "lowe-andersen",
-    "pete": "peters",
-    "stoy": "stoyanov-groot",
+    "peters": "peters",
+    "stoyanov": "stoyanov-groot",
 }
 
 
@@ -332,22 +332,19 @@ _DIRECTIVES: dict[str, tuple[str, Handler]] = {
     "nfold": ("nfold", lambda line: line.put_vector("nfold", 3)),
     "no": ("no", _no),
     "openmp": ("openmp", _without_effect("it says how DL_MESO's threads add up forces")),
-    "perm": ("permittivity", _refused("a permittivity; bjerrum length is the strength that can be given")),
+    "perm": ("permittivity", _refused("a permittivity", "give a bjerrum length")),
     "pres": ("pressure", _number("pressure_hydrostatic")),
     "print": ("print every", _print),
     "restart": ("restart", _restart),
     "scale": ("scale temperature every", _number("rescale_frequency")),
     "seed": ("seed", _seed),
     "shake": ("shake tolerance", _number("shake_tolerance")),
-    "smear": (
-        "smear",
-        _refused("smeared charges by a word of DL_MESO's; a new-style CONTROL has charge_smearing_method"),
-    ),
+    "smear": ("smear", _refused("smeared charges", "a new-style CONTROL has charge_smearing_method")),
     "spme": ("spme", _ewald),
     "stack": ("stack size", _number("stack_size")),
     "stats": ("stats every", _number("stats_frequency")),
     "steps": ("steps", _number("time_run")),
-    "stres": ("stress", _refused("an output of stresses by a directive; DIAGNOSTICS has them")),
+    "stres": ("stress", _refused("a file of stresses", "STATIS and DIAGNOSTICS hold them")),
     "surf": ("surface", _refused("walls or sheared faces")),
     "temp": ("temperature", _number("temperature")),
     "therm": ("thermostat cutoff", _other_cutoff("drag_cutoff", "the range of all drags")),

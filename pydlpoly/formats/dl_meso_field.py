@@ -79,7 +79,7 @@ _REFUSED_FIELDS = {"shea": "shear by sliding faces", "ushe": "shear by sliding f
 class _Species(NamedTuple):
     mass: float
     charge: float
-    count: int
+    beads: int
     frozen: int
     line: int
 
@@ -132,9 +132,9 @@ class _MesoParser:
         """Put loose beads before molecules, as in DL_MESO's CONFIG."""
         inside = {atom.name for part in self.parts for atom in part.molecule.atoms}
         loose = [
-            Molecule(name, one.count, (self._atom(name, one.line),), (), one.line)
+            Molecule(name, one.beads, (self._atom(name, one.line),), (), one.line)
             for name, one in self.species.items()
-            if one.count or name not in inside
+            if one.beads or name not in inside
         ]
         count = len(loose)
         return Field(
@@ -149,7 +149,7 @@ class _MesoParser:
             meso=MesoField(
                 coordinates=(((0.0, 0.0, 0.0),),) * count + tuple(part.coordinates for part in self.parts),
                 mirrored=(False,) * count + tuple(part.mirrored for part in self.parts),
-                loose=sum(one.count for one in self.species.values()),
+                loose=sum(one.beads for one in self.species.values()),
                 thermal=self.thermal,
                 units_line=self.units_line,
             ),
@@ -220,8 +220,8 @@ class _MesoParser:
             self.lines.fail(f"expected {what}, a whole number of at least 0", line, line.words[position])
         return value
 
-    def _read_species(self, head: Line) -> None:
-        for _ in self.species:
+    def _read_species(self, _: Line) -> None:
+        for _name in self.species:
             self.lines.next("a species")
 
     def _atom(self, name: str, line: int) -> AtomLine:
@@ -382,7 +382,9 @@ class _MesoParser:
             lines.fail(f"unknown interaction{near}", line, word)
         found = self._numbers(line, 3, _PAIR_LAWS[key])
         if any(number < 0.0 for number in found):
-            lines.warn(f"{' '.join(line.words[2:])}: negative numbers are taken without their sign, as in DL_MESO", line)
+            lines.warn(
+                f"{' '.join(line.words[2:])}: negative numbers are taken without their sign, as in DL_MESO", line
+            )
             found = tuple(abs(number) for number in found)
         if key == "wca":
             found = (*found[:2], 0.0, found[2])  # DL_POLY's wca has a shift of r before the drag

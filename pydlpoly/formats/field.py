@@ -86,10 +86,12 @@ def _check_dialect(raw: list[str], path: str) -> None:
     is_keyword = len(first) == 2 and "_" in first[0] and parse_number(first[1]) is not None
     odd = Line(1, first, raw[0]) if is_keyword or not lines else lines[0]
     shown = " ".join(odd.text.split())[:60]
-    expected = "expected a title, then units and molecules, or SPECIES and INTERACTIONS"
+    expected = "expected a title, then units and molecules"
     if not shown:
         raise InputError(f"not a DL_POLY or DL_MESO FIELD: the file is empty; {expected}", path=path)
-    raise InputError(f"not a DL_POLY or DL_MESO FIELD: line {odd.number} is {shown!r}; {expected}", path=path, line=odd.number)
+    raise InputError(
+        f"not a DL_POLY or DL_MESO FIELD: line {odd.number} is {shown!r}; {expected}", path=path, line=odd.number
+    )
 
 
 def _is_field_directive(line: Line) -> bool:

@@ -123,7 +123,9 @@ def _with_ranges(control: Control, meso: MesoControl, field: Field) -> tuple[Con
     line = next((setting.line for setting in control if setting.keyword == "cutoff"), 0)
     if meso.charge_cutoff is not None and control.get("coul_method") is not None:
         whole = max(cutoff, meso.charge_cutoff)
-        text = f"electrostatic cutoff {meso.charge_cutoff:g} is the global cutoff; laws without a range end at {cutoff:g}"
+        text = (
+            f"electrostatic cutoff {meso.charge_cutoff:g} is the global cutoff; laws without a range end at {cutoff:g}"
+        )
         control = _with(control, text, ("cutoff", whole, "dpd_l", line), ("vdw_cutoff", cutoff, "dpd_l", line))
     ends = {line.parameters[1] if line.key == "dpd" else cutoff for line in field.pairs}
     if ends == {drag_range}:
@@ -260,7 +262,10 @@ def _with_box(control: Control, config: Configuration) -> Configuration:
         remarks = (*remarks, Remark("warning", text, 3))
     imcon = config.imcon
     if imcon in (1, 3) and imcon != _imcon(found):
-        remarks = (*remarks, Remark("choice", f"imcon {imcon} with unequal edges: an orthorhombic box, as in DL_MESO", 2))
+        remarks = (
+            *remarks,
+            Remark("choice", f"imcon {imcon} with unequal edges: an orthorhombic box, as in DL_MESO", 2),
+        )
         imcon = _imcon(found)
     return replace(config, imcon=imcon, remarks=remarks)
 
@@ -275,7 +280,9 @@ def _in_field_order(field: Field, config: Configuration) -> Configuration:
     rank = {name: k for k, name in enumerate(dict.fromkeys(expected))}
     order = np.argsort(np.array([rank[name] for name in found]), kind="stable")
     order = np.concatenate([order, np.arange(loose, len(config.names))])
-    text = f"the {loose} beads outside molecules are numbered anew, species after species; their order is free in DL_MESO"
+    text = (
+        f"the {loose} beads outside molecules are numbered anew, species after species; their order is free in DL_MESO"
+    )
     return replace(
         config,
         names=tuple(config.names[k] for k in order),
