@@ -382,9 +382,7 @@ class _MesoParser:
             lines.fail(f"unknown interaction{near}", line, word)
         found = self._numbers(line, 3, _PAIR_LAWS[key])
         if any(number < 0.0 for number in found):
-            lines.warn(
-                f"{' '.join(line.words[2:])}: negative numbers are taken without their sign, as in DL_MESO", line
-            )
+            lines.warn(f"{' '.join(line.words[2:])}: negative numbers lose their sign, as in DL_MESO", line)
             found = tuple(abs(number) for number in found)
         if key == "wca":
             found = (*found[:2], 0.0, found[2])  # DL_POLY's wca has a shift of r before the drag

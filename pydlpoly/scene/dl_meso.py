@@ -127,7 +127,7 @@ def _with_ranges(control: Control, meso: MesoControl, field: Field) -> tuple[Con
             f"electrostatic cutoff {meso.charge_cutoff:g} is the global cutoff; laws without a range end at {cutoff:g}"
         )
         control = _with(control, text, ("cutoff", whole, "dpd_l", line), ("vdw_cutoff", cutoff, "dpd_l", line))
-    ends = {line.parameters[1] if line.key == "dpd" else cutoff for line in field.pairs}
+    ends = {_end(line, cutoff) for line in field.pairs}
     if ends == {drag_range}:
         return control, field
     text = f"all drags end at {drag_range:g}, wherever the laws end, as in DL_MESO"
@@ -138,6 +138,12 @@ def _with_ranges(control: Control, meso: MesoControl, field: Field) -> tuple[Con
         raise SceneError(message, path=control.path)
     pairs = tuple(replace(line, parameters=(*line.parameters, drag_range)) for line in field.pairs)
     return _with(control, text), replace(field, pairs=pairs)
+
+
+def _end(line: PairLine, cutoff: float) -> float:
+    """Return where a law ends, and with it its drag unless another range is given."""
+    ends = {"dpd": line.parameters[1], "wca": 2.0 ** (1.0 / 6.0) * line.parameters[1]}
+    return ends.get(line.key, cutoff)
 
 
 def _with_rate(control: Control, field: Field) -> Control:
