@@ -8,6 +8,7 @@ import pytest
 
 from pydlpoly.errors import InputError
 from pydlpoly.formats.control import looks_like_dl_meso, parse_control, read_control, value_in, write_control
+from pydlpoly.formats.dl_meso_control import _DIRECTIVES
 from pydlpoly.formats.records import Control, Remark, Setting
 
 HEAD = "a run\nvolume 1000.0\ntemperature 1.0\ntimestep 0.01\nsteps 100\nensemble nvt mdvv\n"
@@ -285,3 +286,11 @@ def test_a_file_without_telling_directives_needs_to_be_told() -> None:
 def test_a_new_style_file_stays_one() -> None:
     text = "title t\ntemperature 1.0 K\n"
     assert parse_control(text, dl_meso=True).meso is None
+
+
+def test_the_page_has_every_directive() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "dl-meso.md").read_text(encoding="utf-8")
+    table = page.split("## CONTROL")[1].split("\n\n")[2]
+    words = {"io": "io write", "no": "no config", "ensemble": "ensemble nvt", "print every": "print every"}
+    for name, _ in _DIRECTIVES.values():
+        assert f"`{words.get(name, name)}" in table, name
