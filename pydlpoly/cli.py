@@ -20,6 +20,7 @@ import typer
 
 from pydlpoly import __version__
 from pydlpoly.bench.cli import bench
+from pydlpoly.conversion import convert_folder
 from pydlpoly.engines.native import NativeEngine
 from pydlpoly.errors import InputError, PydlpolyError, RunError, suggest
 from pydlpoly.formats.atomic import replace_file
@@ -148,16 +149,29 @@ def explain(
 
 @app.command()
 def convert(
-    source: Annotated[Path, typer.Argument(help="A CONTROL file of either style.")],
+    source: Annotated[Path, typer.Argument(help="A CONTROL file of either style; with --to dl_poly a folder.")],
     *,
-    to: Annotated[str, typer.Option(help="new | old: the style of CONTROL to write.")] = "new",
-    output: Annotated[Path | None, typer.Option(help="File to write (default: standard output).")] = None,
+    to: Annotated[
+        str, typer.Option(help="new | old: the style of CONTROL to write; dl_poly: CONTROL, FIELD and CONFIG.")
+    ] = "new",
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="File (with dl_poly folder) to write; default: standard output."),
+    ] = None,
     lenient: Lenient = False,
 ) -> None:
-    """Rewrite CONTROL in the other style."""
+    """Rewrite CONTROL in the other style, or a folder in DL_MESO's dialect as files of DL_POLY."""
+    if to == "dl_poly":
+        _convert_folder(source, output, lenient=lenient)
+        return
     if to not in ("new", "old"):
-        raise typer.BadParameter(f"'{to}' is no style of CONTROL; expected new or old", param_hint="--to")
+        raise typer.BadParameter(f"'{to}' is nothing to write; expected new, old or dl_poly", param_hint="--to")
     record = read_control(source, lenient=lenient)
+    if record.meso is not None:
+        message = (
+            "this CONTROL is in DL_MESO's dialect, and FIELD and box belong to it; convert its folder --to dl_poly"
+        )
+        raise InputError(message, path=str(source))
     for warning in record.warnings:
         typer.echo(f"warning: {warning}", err=True)
     text = write_control(replace(record, style="new" if to == "new" else "old"))
@@ -168,6 +182,15 @@ def convert(
             replace_file(output, text)
         except RunError as error:
             raise InputError(str(error)) from error
+
+
+def _convert_folder(source: Path, output: Path | None, *, lenient: bool) -> None:
+    if output is None:
+        raise typer.BadParameter("--to dl_poly writes three files; name a folder for them", param_hint="--output")
+    if not source.is_dir():
+        raise InputError("--to dl_poly takes the folder of a run", path=str(source))
+    for warning in convert_folder(source, output, lenient=lenient):
+        typer.echo(f"warning: {warning}", err=True)
 
 
 @app.command()

@@ -23,6 +23,7 @@ from pydlpoly.formats.control_values import (
     format_setting,
     parse_setting,
 )
+from pydlpoly.formats.dl_meso_control import MESO_ONLY, parse_meso
 from pydlpoly.formats.keywords import KEYWORDS, lookup, nearest
 from pydlpoly.formats.records import Control, Setting, SettingValue
 from pydlpoly.units import convert, parse_unit, time_to_steps
@@ -40,19 +41,17 @@ __all__ = [
 _OLD_METHODS = {"dpds1": "first", "dpds2": "second"}
 """Names of the DPD thermostat that DL_POLY's help advertises: method and order in one word."""
 
-_MESO_DIRECTIVES = ("volume", "boundary", "surface")
-"""Directives of DL_MESO's CONTROL that no DL_POLY has."""
 
-
-def read_control(path: str | Path, lenient: bool = False) -> Control:
-    """Read a CONTROL file of either style.
+def read_control(path: str | Path, lenient: bool = False, dl_meso: bool = False) -> Control:
+    """Read a CONTROL file of either style, or in DL_MESO's dialect.
 
     Args:
         path: the file.
         lenient: turn unknown keywords, duplicates and leftover words into ``Control.warnings`` instead of errors.
+        dl_meso: take a file that is not in the new style as one of DL_MESO's even where none of its directives tells.
 
     Raises:
-        InputError: the file cannot be opened, is a DL_MESO CONTROL, or has an error in it.
+        InputError: the file cannot be opened, or has an error in it.
     """
     try:
         data = Path(path).read_bytes()
@@ -64,38 +63,35 @@ def read_control(path: str | Path, lenient: bool = False) -> Control:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = data.decode("latin-1")
-    return parse_control(text, path=str(path), lenient=lenient)
+    return parse_control(text, path=str(path), lenient=lenient, dl_meso=dl_meso)
 
 
-def parse_control(text: str, path: str = "CONTROL", lenient: bool = False) -> Control:
-    """Read the text of a CONTROL file of either style; see ``read_control``."""
+def parse_control(text: str, path: str = "CONTROL", lenient: bool = False, dl_meso: bool = False) -> Control:
+    """Read the text of a CONTROL file of either style or dialect; see ``read_control``."""
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     if not text.strip():
         raise InputError("the file is empty; a CONTROL file begins with a title", path=path)
     if _is_new_style(lines):
         return _parse_new(lines, path, lenient)
-    marker = _meso_marker(lines)
-    if marker is not None:
-        number, word = marker
-        message = "this is a DL_MESO CONTROL (DL_POLY has no such directive), a dialect that pydlpoly does not read yet"
-        raise InputError(message, path=path, line=number, word=word)
+    if dl_meso or _has_meso_marker(lines):
+        return parse_meso(lines, path, lenient)
     return parse_old(lines, path, lenient)
 
 
 def looks_like_dl_meso(text: str) -> bool:
-    """Return whether a CONTROL is in DL_MESO's dialect: old style, with volume, boundary or surface directives."""
+    """Return whether a CONTROL is in DL_MESO's dialect: old style, with a directive that no DL_POLY has."""
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    return not _is_new_style(lines) and _meso_marker(lines) is not None
+    return not _is_new_style(lines) and _has_meso_marker(lines)
 
 
-def _meso_marker(lines: list[str]) -> tuple[int, str] | None:
-    for number, line in enumerate(lines[1:], start=2):  # the title may hold any word
+def _has_meso_marker(lines: list[str]) -> bool:
+    for line in lines[1:]:  # the title may hold any word
         words = line.split()
         if words and words[0].lower() == "finish":
-            return None
-        if words and words[0].lower() in _MESO_DIRECTIVES:
-            return number, words[0]
-    return None
+            return False
+        if words and words[0].lower() in MESO_ONLY:
+            return True
+    return False
 
 
 def _is_new_style(lines: list[str]) -> bool:

@@ -49,7 +49,7 @@ def read_ensemble(line: Line) -> None:
     for keyword in alone + (with_barostat if barostat else ()):
         line.put_number(keyword)
     if ensemble == "nst":
-        _read_cell_constraint(line)
+        read_cell_constraint(line)
 
 
 def _read_dpd(line: Line) -> bool:
@@ -74,7 +74,8 @@ def _read_dpd(line: Line) -> bool:
     return True
 
 
-def _read_cell_constraint(line: Line) -> None:
+def read_cell_constraint(line: Line) -> None:
+    """Read what the edges of an nst cell do: area, tension f, orthorhombic, each perhaps with semi."""
     if line.take("area"):
         line.put("ensemble_semi_isotropic", "area")
     elif line.take("tens"):

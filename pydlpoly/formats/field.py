@@ -1,4 +1,4 @@
-"""Reads FIELD files in DL_POLY's dialect: energy unit, molecules, pair laws, RDF pairs, external fields."""
+"""Reads FIELD files: energy unit, molecules, pair laws, RDF pairs, external fields; DL_MESO's dialect is next door."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from pydlpoly.errors import InputError, suggest
+from pydlpoly.formats.dl_meso_field import parse_meso_field
 from pydlpoly.formats.field_keys import (
     EXTERNAL_KEYS,
     KEPT_WHOLE,
@@ -34,7 +35,7 @@ __all__ = ["looks_like_dl_meso_field", "parse_field", "read_field", "write_field
 
 
 def read_field(path: str | Path, lenient: bool = False) -> Field:
-    """Read a FIELD file.
+    """Read a FIELD file in DL_POLY's or DL_MESO's dialect.
 
     Args:
         path: the file.
@@ -50,9 +51,11 @@ def read_field(path: str | Path, lenient: bool = False) -> Field:
 def parse_field(text: str, path: str = "FIELD", lenient: bool = False) -> Field:
     """Read the text of a FIELD file; arguments and errors as in ``read_field``."""
     raw = plain_line_ends(text).split("\n")
-    _check_dialect(raw, path)
     last = len(raw) - 1 if raw[-1] == "" and len(raw) > 1 else len(raw)
     lines = FieldLines(content_lines(raw[1:], first=2), path, last, lenient)
+    if _dl_meso_line(raw):
+        return parse_meso_field(raw[0].rstrip(), lines)
+    _check_dialect(raw, path)
     return _FieldParser(lines).parse(title=raw[0].rstrip())
 
 
@@ -74,11 +77,7 @@ def _dl_meso_line(raw: list[str]) -> Line | None:
 
 
 def _check_dialect(raw: list[str], path: str) -> None:
-    """Refuse DL_MESO's dialect by name, and files that have nothing of a FIELD, quoting the first odd line."""
-    meso = _dl_meso_line(raw)
-    if meso:
-        message = "this FIELD is in DL_MESO's dialect; expected DL_POLY's, with units, molecules and vdw"
-        raise InputError(message, path=path, line=meso.number, word=meso.words[0])
+    """Refuse files that have nothing of a FIELD, quoting the first odd line."""
     lines = content_lines(raw[1:], first=2)
     if any(_is_field_directive(line) for line in lines):
         return
@@ -89,8 +88,10 @@ def _check_dialect(raw: list[str], path: str) -> None:
     shown = " ".join(odd.text.split())[:60]
     expected = "expected a title, then units and molecules"
     if not shown:
-        raise InputError(f"not a DL_POLY FIELD: the file is empty; {expected}", path=path)
-    raise InputError(f"not a DL_POLY FIELD: line {odd.number} is {shown!r}; {expected}", path=path, line=odd.number)
+        raise InputError(f"not a DL_POLY or DL_MESO FIELD: the file is empty; {expected}", path=path)
+    raise InputError(
+        f"not a DL_POLY or DL_MESO FIELD: line {odd.number} is {shown!r}; {expected}", path=path, line=odd.number
+    )
 
 
 def _is_field_directive(line: Line) -> bool:

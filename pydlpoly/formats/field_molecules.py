@@ -101,7 +101,7 @@ def _finished(lines: FieldLines, parts: _Parts, line: Line) -> Molecule:
     if not parts.atoms:
         lines.fail(f"{parts.label} has no atoms", line, line.words[0])
     molecule = Molecule(parts.name, parts.count, parts.atoms, tuple(parts.blocks), parts.line)
-    _check_beads(lines, molecule)
+    check_beads(lines, molecule)
     return molecule
 
 
@@ -204,7 +204,7 @@ def _read_bonded(lines: FieldLines, directive: str, head: Line, done: int, count
         said = f"{directive} on line {head.number} says {count}, but only {done} came before this"
         lines.fail(f"{said}; correct the number or add the missing ones", line, line.words[0])
     start = 1 if kind.keys else 0
-    beads = tuple(_bead(lines, line, start + i, kind.beads) for i in range(kind.beads))
+    beads = tuple(bead_number(lines, line, start + i, kind.beads) for i in range(kind.beads))
     parameters = lines.trailing_numbers(line, start + kind.beads)
     if directive in ("constraints", "shells") and not parameters:
         what = "the length" if directive == "constraints" else "the spring constant"
@@ -212,7 +212,8 @@ def _read_bonded(lines: FieldLines, directive: str, head: Line, done: int, count
     return BondedLine(key, beads, parameters, line.number)
 
 
-def _bead(lines: FieldLines, line: Line, position: int, needed: int) -> int:
+def bead_number(lines: FieldLines, line: Line, position: int, needed: int) -> int:
+    """Return the bead number at this position of a line that needs ``needed`` of them."""
     if position >= len(line.words):
         lines.fail(f"the line is too short; expected {needed} bead number{'s' if needed > 1 else ''}", line)
     word = line.words[position]
@@ -270,12 +271,12 @@ def _read_pmf(lines: FieldLines, head: Line) -> tuple[BondedLine, ...]:
 
 def _pmf_member(lines: FieldLines, head: Line, done: int, size: int) -> tuple[int, float]:
     line = lines.next(f"bead {done + 1} of {size} of the pmf unit on line {head.number}")
-    bead = _bead(lines, line, 0, 1)
+    bead = bead_number(lines, line, 0, 1)
     weights = lines.trailing_numbers(line, 1)
     return bead, weights[0] if weights else 0.0
 
 
-def _check_beads(lines: FieldLines, molecule: Molecule) -> None:
+def check_beads(lines: FieldLines, molecule: Molecule) -> None:
     """Refuse bead numbers outside the molecule, a bead bonded to itself, and the same beads listed twice."""
     beads = molecule.beads_per_molecule
     for block in molecule.blocks:

@@ -20,6 +20,55 @@ SettingValue = bool | int | float | str | tuple[float, ...]
 
 
 @dataclass(frozen=True)
+class Remark:
+    """Something a reader noticed that is no warning: a choice it had to make, or words without effect."""
+
+    kind: Literal["choice", "ignored", "warning"]
+    text: str
+    line: int = 0
+
+
+@dataclass(frozen=True)
+class MesoControl:
+    """What a CONTROL in DL_MESO's dialect says that no keyword of DL_POLY's can hold; lengths in its length unit.
+
+    Attributes:
+        edges: the box's edges from ``volume``, or None; ``volume_line`` is where they stand.
+        without_config: ``no config``: beads are placed although there is a CONFIG.
+        corner_origin: ``config origin``: CONFIG's coordinates count from the box's corner, not from its centre.
+        cutoff: ``cutoff``, the range of all drags and of laws without one of their own; None where it is not given.
+        drag_cutoff: ``thermostat cutoff``, the range of all drags where it differs; None where it is not given.
+        charge_cutoff: ``electrostatic cutoff``, or None.
+    """
+
+    edges: tuple[float, float, float] | None = None
+    volume_line: int = field(default=0, compare=False)
+    without_config: bool = False
+    corner_origin: bool = False
+    cutoff: float | None = None
+    drag_cutoff: float | None = None
+    charge_cutoff: float | None = None
+
+
+@dataclass(frozen=True)
+class MesoField:
+    """What a FIELD in DL_MESO's dialect says that no record of DL_POLY's can hold.
+
+    Attributes:
+        coordinates: for each molecule type of ``Field.molecules`` the places of its beads, for a start without CONFIG.
+        mirrored: for each molecule type whether copies may be mirrored (without ``no isomer``).
+        loose: number of beads outside molecules; they come first in CONFIG, in any order.
+        thermal: ``units kt``: energies are in k_B T; ``units_line`` says where.
+    """
+
+    coordinates: tuple[tuple[tuple[float, float, float], ...], ...]
+    mirrored: tuple[bool, ...]
+    loose: int = 0
+    thermal: bool = False
+    units_line: int = field(default=0, compare=False)
+
+
+@dataclass(frozen=True)
 class Setting:
     """One keyword of CONTROL with its value, under the new-style name whatever style the file has.
 
@@ -38,13 +87,18 @@ class Setting:
 
 @dataclass(frozen=True)
 class Control:
-    """A CONTROL file: its title and its settings in file order (each keyword at most once)."""
+    """A CONTROL file: its title and its settings in file order (each keyword at most once).
+
+    A file in DL_MESO's dialect has its settings under the new-style keywords too, and ``meso`` for the rest.
+    """
 
     title: str = ""
     settings: tuple[Setting, ...] = ()
     style: Literal["new", "old"] = "new"
     path: str = field(default="CONTROL", compare=False)
     warnings: tuple[str, ...] = field(default=(), compare=False)
+    remarks: tuple[Remark, ...] = field(default=(), compare=False)
+    meso: MesoControl | None = None
 
     def get(self, keyword: str) -> Setting | None:
         """Return the setting of this keyword, or None when the file does not give it."""
@@ -145,7 +199,7 @@ class OtherBlock:
 
 @dataclass(frozen=True)
 class Field:
-    """A FIELD file in DL_POLY's dialect.
+    """A FIELD file, in DL_POLY's words; one in DL_MESO's dialect has ``meso`` for what they cannot say.
 
     Attributes:
         units: the energy unit's word in canonical form: ``ev``, ``kcal``, ``kj``, ``k``, ``internal`` or ``dpd``.
@@ -161,6 +215,8 @@ class Field:
     others: tuple[OtherBlock, ...] = ()
     path: str = field(default="FIELD", compare=False)
     warnings: tuple[str, ...] = field(default=(), compare=False)
+    remarks: tuple[Remark, ...] = field(default=(), compare=False)
+    meso: MesoField | None = None
 
     @property
     def bead_count(self) -> int:
@@ -194,6 +250,7 @@ class Configuration:
     time: float = 0.0
     path: str = "CONFIG"
     warnings: tuple[str, ...] = ()
+    remarks: tuple[Remark, ...] = ()
 
     @property
     def level(self) -> int:

@@ -4,18 +4,32 @@ from __future__ import annotations
 
 from os import PathLike
 from pathlib import Path
+from typing import NamedTuple
 
 from pydlpoly.errors import InputError
 from pydlpoly.formats.bonded_table import TABLE_KINDS, read_bonded_tables, wanted_tables
 from pydlpoly.formats.config import read_config
 from pydlpoly.formats.control import read_control, value_in
-from pydlpoly.formats.field import read_field
+from pydlpoly.formats.field import looks_like_dl_meso_field, read_field
+from pydlpoly.formats.lexing import read_text
 from pydlpoly.formats.records import BondedTable, Configuration, Control, Field, PairTable
 from pydlpoly.formats.table import read_table
+from pydlpoly.scene.dl_meso import adapt, adapt_configuration, start_configuration
 from pydlpoly.scene.model import Scene
 from pydlpoly.scene.resolve import resolve
 
 Path_ = str | PathLike[str]
+
+
+class Records(NamedTuple):
+    """What a folder holds, as ``resolve`` takes it; ``sources`` are the files that were read."""
+
+    control: Control
+    field: Field
+    config: Configuration
+    tables: tuple[PairTable, ...]
+    bonded_tables: tuple[BondedTable, ...]
+    sources: tuple[str, ...]
 
 
 def load(
@@ -28,6 +42,8 @@ def load(
 ) -> Scene:
     """Read CONTROL, FIELD, CONFIG (and the tables of ``tab`` pairs and terms) and return the scene they describe.
 
+    Files in DL_MESO's dialect are known by their content. Without a CONFIG their beads are placed at random.
+
     Args:
         directory: the folder of the files; without it CONTROL's folder, or the current one.
         control, field, config: a file in place of the usual one (relative to ``directory`` when that is given), or a
@@ -39,11 +55,31 @@ def load(
         InputError: a file is missing or cannot be read as what it claims to be.
         SceneError: the files can be read, but do not make a scene; see ``resolve``.
     """
+    read = read_records(directory, control=control, field=field, config=config, lenient=lenient)
+    return resolve(
+        read.control,
+        read.field,
+        read.config,
+        tables=read.tables,
+        bonded_tables=read.bonded_tables,
+        sources=read.sources,
+    )
+
+
+def read_records(
+    directory: Path_ | None = None,
+    *,
+    control: Path_ | Control | None = None,
+    field: Path_ | Field | None = None,
+    config: Path_ | Configuration | None = None,
+    lenient: bool = False,
+) -> Records:
+    """Read the files of a run and return their records, DL_MESO's with its rules written out; as ``load``."""
     folder = Path(directory) if directory is not None else None
     if not isinstance(control, Control):
         path = _find(folder, control, "CONTROL", "the run's settings", "the argument control")
-        control = read_control(path, lenient=lenient)
         folder = folder if folder is not None else path.parent
+        control = read_control(path, lenient=lenient, dl_meso=_is_dl_meso(folder, field))
     elif folder is None:
         folder = Path(control.path).parent
     if not isinstance(field, Field):
@@ -51,14 +87,40 @@ def load(
         field = read_field(
             _find(folder, field, name, "the force field", "io_file_field or the argument field"), lenient
         )
+    control, field = adapt(control, field)
+    if config is None and _starts_without_config(folder, control):
+        built = start_configuration(control, field)
+        return Records(control, field, built, *_with_tables(folder, control, field, (control.path, field.path)))
     if not isinstance(config, Configuration):
         name = str(value_in(control, "io_file_config"))
         path = _find(folder, config, name, "the start configuration", "io_file_config or the argument config")
         config = read_config(path, ignore_indices=bool(value_in(control, "ignore_config_indices")))
+    control, config = adapt_configuration(control, field, config)
+    sources = (control.path, field.path, config.path)
+    return Records(control, field, config, *_with_tables(folder, control, field, sources))
+
+
+def _is_dl_meso(folder: Path, field: Path_ | Field | None) -> bool:
+    """Whether the FIELD beside a CONTROL is in DL_MESO's dialect, which a CONTROL by itself may leave open."""
+    if isinstance(field, Field):
+        return field.meso is not None
+    path = folder / (field if field is not None else "FIELD")
+    return path.is_file() and looks_like_dl_meso_field(read_text(path))
+
+
+def _starts_without_config(folder: Path, control: Control) -> bool:
+    """Whether DL_MESO's CONTROL leaves it to the program to place the beads."""
+    if control.meso is None:
+        return False
+    return control.meso.without_config or not (folder / str(value_in(control, "io_file_config"))).exists()
+
+
+def _with_tables(
+    folder: Path, control: Control, field: Field, sources: tuple[str, ...]
+) -> tuple[tuple[PairTable, ...], tuple[BondedTable, ...], tuple[str, ...]]:
     tables, table_path = _tables(folder, control, field)
     bonded_tables, bonded_paths = _bonded_tables(folder, control, field)
-    sources = [control.path, field.path, config.path, *table_path, *bonded_paths]
-    return resolve(control, field, config, tables=tables, bonded_tables=bonded_tables, sources=sources)
+    return tables, bonded_tables, (*sources, *table_path, *bonded_paths)
 
 
 def _find(folder: Path | None, given: Path_ | None, usual: str, what: str, cure: str) -> Path:

@@ -67,6 +67,8 @@ def resolve(
     notes, settings = Notes(), Settings(control)
     for record in (control, field, config):
         _keep_warnings(record.path, record.warnings, notes)
+        for remark in record.remarks:
+            getattr(notes, remark.kind)(remark.text, place(record.path, remark.line))
     settings.refuse_unmodelled()
     settings.consumed.update(_FOLLOWED_BY_READERS)
     _refuse_unmodelled_blocks(field)

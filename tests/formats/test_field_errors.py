@@ -24,33 +24,28 @@ def after(block: str) -> str:
 CASES = [
     pytest.param(
         "",
-        "FIELD: not a DL_POLY FIELD: the file is empty; expected a title, then units and molecules",
+        "FIELD: not a DL_POLY or DL_MESO FIELD: the file is empty; expected a title, then units and molecules",
         id="empty file",
     ),
     pytest.param(
         "   num_types 3\n   25.0   25.0   25.0\n   25.0   25.0   25.0\n",
-        "FIELD:1: not a DL_POLY FIELD: line 1 is 'num_types 3'; expected a title, then units and molecules",
+        "FIELD:1: not a DL_POLY or DL_MESO FIELD: line 1 is 'num_types 3'; expected a title, then units and molecules",
         id="an unrelated code's num_types matrix",
     ),
     pytest.param(
         "LLZO surface\nPOTE 1 2 3\nCELL 12.97 12.97 12.97 90 90 90\nFRAC\nLi CORE 0.1 0.2 0.3\n",
-        "FIELD:2: not a DL_POLY FIELD: line 2 is 'POTE 1 2 3'; expected a title, then units and molecules",
+        "FIELD:2: not a DL_POLY or DL_MESO FIELD: line 2 is 'POTE 1 2 3'; expected a title, then units and molecules",
         id="METADISE output",
     ),
     pytest.param(
         "Title\n         0         1         2\ntimestep         1         2         0         1    0.001000\n",
-        "FIELD:2: not a DL_POLY FIELD: line 2 is '0 1 2'; expected a title, then units and molecules",
+        "FIELD:2: not a DL_POLY or DL_MESO FIELD: line 2 is '0 1 2'; expected a title, then units and molecules",
         id="HISTORY",
     ),
     pytest.param(
         "&allocation\n  nelements=2,\n  natoms=8,\n&end\n",
-        "FIELD:2: not a DL_POLY FIELD: line 2 is 'nelements=2,'; expected a title, then units and molecules",
+        "FIELD:2: not a DL_POLY or DL_MESO FIELD: line 2 is 'nelements=2,'; expected a title, then units and molecules",
         id="ShengBTE control",
-    ),
-    pytest.param(
-        "mix\n\nSPECIES 2\nA 1.0 0.0 10\nB 1.0 0.0 10\n\nINTERACTIONS 1\nA A dpd 25.0 1.0 4.5\nclose\n",
-        "FIELD:3: 'SPECIES': this FIELD is in DL_MESO's dialect; expected DL_POLY's, with units, molecules and vdw",
-        id="DL_MESO dialect",
     ),
     pytest.param(
         "water\nunits kJ\nmolecuels 1\nWATER\nnummols 2\natoms 1\nOW 16.0 0.0\nfinish\nclose\n",

@@ -1,0 +1,1 @@
+"""Makes configurations: where beads and molecules stand at the start."""
