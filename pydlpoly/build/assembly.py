@@ -1,7 +1,7 @@
 """Arrangements that molecules are placed in as they stand: layers of molecules side by side, normal to z.
 
 A molecule in a layer begins at its first bead and goes along z. Its bonds have their lengths and the layer the density
-asked for: where the bonds are longer than the distance between levels of beads, the molecule zigzags.
+asked for: where the bonds are longer than the distance between levels of beads, the molecules of a layer tilt together.
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ from pydlpoly.build.regions import Slab
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import FloatArray
 
-# Chains that hang on one bead leave it at an angle whose sine this is, at least, so that they do not coincide.
-_SPLAY = 0.6
+# Chains that hang on one bead leave it at an angle to z whose sine this is, at least, so that they do not coincide, and
+# within this angle of the tilt.
+_SPLAY, _FAN = 0.6, 2.0 / 3.0 * math.pi
 
 
 @dataclass(frozen=True)
@@ -132,36 +133,30 @@ def _leaf(
     molecule: MoleculeType, number: int, cell: FloatArray, pitch: float, lengths: FloatArray, rng: np.random.Generator
 ) -> FloatArray:
     """Return (number, beads, 3) places of molecules that hang down from z = 0, spread evenly over the cell's area."""
-    shape = _hanging(molecule, pitch, lengths)
-    turn = 2.0 * np.pi * rng.random(number)
-    cosine, sine = np.cos(turn)[:, None], np.sin(turn)[:, None]
-    x, y, z = shape.T
-    leaf = np.stack([cosine * x - sine * y, sine * x + cosine * y, np.broadcast_to(z, (number, len(z)))], axis=2)
+    x, y, z = _hanging(molecule, pitch, lengths).T
+    turn = 2.0 * math.pi * float(rng.random())
+    shape = np.stack([math.cos(turn) * x - math.sin(turn) * y, math.sin(turn) * x + math.cos(turn) * y, z], axis=1)
+    leaf = np.repeat(shape[None, :, :], number, axis=0)
     leaf[:, :, :2] += _spread(number, float(cell[0, 0]), float(cell[1, 1]), rng)[:, None, :]
     return leaf
 
 
 def _hanging(molecule: MoleculeType, pitch: float, lengths: FloatArray) -> FloatArray:
-    """Return (beads, 3) places of one molecule: each bond one level down and to the side by what its length leaves."""
+    """Return (beads, 3) places of one molecule: each bond one level down and along x by what its length leaves."""
     tree = molecule.tree()
     children: dict[int, list[int]] = {}
     for bead, parent in tree:
         children.setdefault(parent, []).append(bead)
     places = np.zeros((len(tree), 3))
-    heading = [0.0] * len(tree)
     for order, (bead, parent) in enumerate(tree):
         if parent < 0:
             continue
         length = float(lengths[order])
-        side = math.sqrt(max(0.0, length**2 - pitch**2))
+        side, turn = math.sqrt(max(0.0, length**2 - pitch**2)), 0.0
         siblings = children[parent]
         if len(siblings) > 1:
             side = max(side, _SPLAY * length)
-            turn = heading[parent] + 2.0 * math.pi * siblings.index(bead) / len(siblings)
-            heading[bead] = turn + 0.5 * math.pi  # the zigzag below a branch leaves the branches apart
-        else:
-            turn = heading[parent]
-            heading[bead] = turn + math.pi
+            turn = _FAN * ((siblings.index(bead) + 0.5) / len(siblings) - 0.5)
         down = math.sqrt(length**2 - side**2)
         places[bead] = places[parent] + [side * math.cos(turn), side * math.sin(turn), -down]
     return places

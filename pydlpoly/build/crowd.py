@@ -15,6 +15,7 @@ from pydlpoly.formats.records import FloatArray, IntArray
 _AROUND = np.array(list(product((-1, 0, 1), repeat=3)), dtype=np.int64)
 # So many new beads are compared at the same time, which bounds the memory.
 _CHUNK = 50_000
+_MOST_CELLS = 1_000_000
 
 
 class Crowd:
@@ -36,8 +37,9 @@ class Crowd:
         width = float(heights(cell).min())
         if reach > width:
             raise SceneError(f"a least distance of {reach:g} is larger than the cell's width {width:g}")
-        # More than two million cells would only be empty; sorting does not care, but numbers must stay exact.
-        self._shape = np.clip(np.floor(heights(cell) / reach) if reach else np.ones(3), 1, 1000).astype(np.int64)
+        # However short the distances are, so many cells are enough; more would only cost memory.
+        edge = max(reach, (abs(float(np.linalg.det(cell))) / _MOST_CELLS) ** (1.0 / 3.0))
+        self._shape = np.maximum(1, np.floor(heights(cell) / edge)).astype(np.int64)
         self._places, self._kinds = np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
         self._alive = np.zeros(0, dtype=np.bool_)
         self._sorted: tuple[IntArray, IntArray, FloatArray] | None = None
@@ -83,28 +85,29 @@ class Crowd:
         return numbers
 
     def _order(self) -> tuple[IntArray, IntArray, FloatArray]:
-        """Return the beads in the order of their cells, the cell of each, and their places inside the cell."""
+        """Return the beads in the order of their cells, where each cell begins, and their places inside the cell."""
         if self._sorted is None:
             alive = np.flatnonzero(self._alive)
             cells, wrapped = self._cells(self._places[alive])
             numbers = self._number(cells)
             order = np.argsort(numbers, kind="stable")
-            self._sorted = alive[order], numbers[order], wrapped[order]
+            filled = np.bincount(numbers, minlength=int(np.prod(self._shape)))
+            self._sorted = alive[order], np.concatenate([[0], np.cumsum(filled)]), wrapped[order]
         return self._sorted
 
     def _conflicts(
         self, places: FloatArray, kinds: IntArray, start: int
     ) -> Iterator[tuple[IntArray, IntArray, FloatArray]]:
         """Yield the conflicts with the beads of each of the 27 cells around."""
-        order, numbers, here = self._order()
+        order, starts, here = self._order()
         cells, wrapped = self._cells(places)
         for step in _AROUND:
             # A cell beyond a face is one of an image; with fewer than three cells an axis, one cell is seen several
             # times, each time as another image.
             images = np.floor_divide(cells + step, self._shape)
             targets = self._number(cells + step - images * self._shape)
-            low, high = np.searchsorted(numbers, targets, "left"), np.searchsorted(numbers, targets, "right")
-            many = high - low
+            low = starts[targets]
+            many = starts[targets + 1] - low
             rows = np.repeat(np.arange(len(places)), many)
             slots = np.arange(int(many.sum())) + np.repeat(low - (np.cumsum(many) - many), many)
             apart = wrapped[rows] - here[slots] - images[rows] @ self.cell

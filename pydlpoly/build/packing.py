@@ -211,8 +211,8 @@ class Packer:
             return SceneError(f"{message}: it is too small for the molecule", word=job.molecule.name)
         first, second = closest.pair
         least = float(self._crowd.least[first, second])
-        message += f": the best place for a bead {self._names[first]} was {closest.ratio * least:.3g} away from a bead "
-        message += f"{self._names[second]}, and the least distance asked for is {least:g}; lower it or the density"
+        message += f": the best place for a bead {self._names[first]} was {closest.ratio * least:.5g} away from a bead "
+        message += f"{self._names[second]}, and the least distance asked for is {least:.5g}; lower it or the density"
         return SceneError(message, word=job.molecule.name)
 
 

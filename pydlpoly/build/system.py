@@ -351,7 +351,7 @@ class _Builder:
         first, second = int(kinds[rows[worst]]), int(crowd.kinds(others[worst : worst + 1])[0])
         least = float(crowd.least[first, second])
         message = f"in this layer beads {names[first]} and {names[second]} come as close as {ratios[worst] * least:.3g}, "
-        raise SceneError(f"{message}and the least distance asked for is {least:.6g}", word=entry.molecule.name)
+        raise SceneError(f"{message}and the least distance asked for is {least:.5g}", word=entry.molecule.name)
 
     def _job(
         self, entry: _Entry, numbers: Mapping[str, int], taken: Sequence[Region], least: FloatArray, names: Any
