@@ -104,9 +104,7 @@ def ions_of(salt: Salt, species: Mapping[str, Species], volume: float, length: f
     return Component(cation, count=units * positive), Component(anion, count=units * negative)
 
 
-def counter_ions(
-    charge: float, ions: Iterable[MoleculeType | str], species: Mapping[str, Species]
-) -> Component | None:
+def counter_ions(charge: float, ions: Iterable[MoleculeType | str], species: Mapping[str, Species]) -> Component | None:
     """Return the ions that balance a charge, or None when there is none to balance.
 
     Raises:

@@ -50,7 +50,9 @@ class Bilayer:
         area = float(self.area or 0.0)
         number = round(float(cell[0, 0] * cell[1, 1]) / area) if area > 0.0 else 0
         if number < 1:
-            raise SceneError(f"the area per lipid must lie above 0 and below that of the cell, not at {area:g}", word=name)
+            raise SceneError(
+                f"the area per lipid must lie above 0 and below that of the cell, not at {area:g}", word=name
+            )
         return number
 
     def pitch(self, cell: FloatArray, density: float, longest: float) -> float:

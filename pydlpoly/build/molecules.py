@@ -1,4 +1,4 @@
-"""What is built: species, and molecules as beads with bonds, written by hand, as a sequence, or as one of usual shapes."""
+"""Species, and molecules as beads with bonds: from a list of bonds, from a sequence, or of one of the usual shapes."""
 
 from __future__ import annotations
 

@@ -318,9 +318,7 @@ class _Builder:
         for entry in drawn:
             entry.places = packer.place(self._job(entry, numbers, taken, least, names))
 
-    def _lay_out(
-        self, entry: _Entry, crowd: Crowd, numbers: Mapping[str, int], names: tuple[str, ...]
-    ) -> list[Region]:
+    def _lay_out(self, entry: _Entry, crowd: Crowd, numbers: Mapping[str, int], names: tuple[str, ...]) -> list[Region]:
         """Place the molecules of layers; return the region that they keep for themselves."""
         lengths = bond_lengths(entry.molecule, self.laws["bonds"], self._spacing())
         regions: list[Region] = []
@@ -350,7 +348,9 @@ class _Builder:
         worst = int(ratios.argmin())
         first, second = int(kinds[rows[worst]]), int(crowd.kinds(others[worst : worst + 1])[0])
         least = float(crowd.least[first, second])
-        message = f"in this layer beads {names[first]} and {names[second]} come as close as {ratios[worst] * least:.3g}, "
+        message = (
+            f"in this layer beads {names[first]} and {names[second]} come as close as {ratios[worst] * least:.3g}, "
+        )
         raise SceneError(f"{message}and the least distance asked for is {least:.5g}", word=entry.molecule.name)
 
     def _job(
@@ -364,8 +364,10 @@ class _Builder:
             region = Outside(tuple(taken)) if how.fill and taken else Everywhere()
         molecule = self._shaped(how, molecule)
         if molecule.places is None or how.shape == "rigid":
-            lengths = np.zeros(0) if entry.molecule.closed or entry.molecule.places is not None else (
-                bond_lengths(entry.molecule, self.laws["bonds"], self._spacing())
+            lengths = (
+                np.zeros(0)
+                if entry.molecule.closed or entry.molecule.places is not None
+                else (bond_lengths(entry.molecule, self.laws["bonds"], self._spacing()))
             )
         else:
             lengths = np.zeros(0)
@@ -419,9 +421,7 @@ class _Builder:
         molecules, names, places = [], [], []
         for group in grouped.values():
             count = sum(entry.count for entry in group)
-            molecules.append(
-                molecule_record(group[0].molecule, count, self.species, self.laws, exclude=self.exclude)
-            )
+            molecules.append(molecule_record(group[0].molecule, count, self.species, self.laws, exclude=self.exclude))
             names += list(group[0].molecule.beads) * count
             places += [entry.places.reshape(-1, 3) for entry in group]
         positions = np.concatenate(places)

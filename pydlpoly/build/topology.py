@@ -237,10 +237,14 @@ def least_distances(given: float | Mapping[Any, float], names: Sequence[str]) ->
     result = np.full((len(names), len(names)), float(table.get("*", 0.0)))
     for key, value in table.items():
         if not float(value) >= 0.0:
-            raise SceneError(f"a least distance must not be negative, not {value}", path="minimum_distance", word=str(key))
+            raise SceneError(
+                f"a least distance must not be negative, not {value}", path="minimum_distance", word=str(key)
+            )
         for name in names_of(key, 2, "minimum_distance"):
             if name not in names:
-                raise SceneError(f"is no species of any molecule{suggest(name, names)}", path="minimum_distance", word=name)
+                raise SceneError(
+                    f"is no species of any molecule{suggest(name, names)}", path="minimum_distance", word=name
+                )
         if key != "*":
             i, j = (list(names).index(name) for name in names_of(key, 2, "minimum_distance"))
             result[i, j] = result[j, i] = float(value)

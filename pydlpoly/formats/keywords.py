@@ -136,7 +136,7 @@ _RUN = (
     _int("threads", "0", "number of threads, 0 = all that are there"),
     _option("precision", "double mixed reference", "double",
             "arithmetic of soft pair forces: double, mixed (single, exact sums), reference (double, slow noise)"),
-    _vector("nfold", "integers", 3, "[ 1 1 1 ]", "repeat CONFIG along its cell vectors and run that", old="nfold x y z"),
+    _vector("nfold", "integers", 3, "[ 1 1 1 ]", "repeat CONFIG along its vectors and run that", old="nfold x y z"),
     _bool("strict_checks", "on", "stop where DL_POLY would only warn", "ignored: pydlpoly's checks are always on",
           "no strict"),
     _bool("fixed_com", "on", "remove the motion of the centre of mass", old="no vom"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -21,8 +22,8 @@ def replicate(field: Field, config: Configuration, counts: Sequence[int]) -> tup
     """Return FIELD with counts times as many molecules, and CONFIG repeated so often along its cell vectors.
 
     Molecules that a face of the cell cuts are made whole first, so that each copy's beads belong together in the larger
-    cell. The origin stays the centre of the cell. Velocities and forces are repeated, too. A molecule type's copies stay
-    together: image after image, each in the order of CONFIG.
+    cell. The origin stays the centre of the cell. Velocities and forces are repeated, too. The copies of a molecule type
+    stay together: image after image, each in the order of CONFIG.
 
     Args:
         field: the molecules.
@@ -44,9 +45,7 @@ def replicate(field: Field, config: Configuration, counts: Sequence[int]) -> tup
     copies = len(shifts)
 
     def repeated(values: FloatArray, moves: FloatArray) -> FloatArray:
-        blocks = [
-            (values[start:end][None, :, :] + moves[:, None, :]).reshape(-1, 3) for start, end in _ranges(field)
-        ]
+        blocks = [(values[start:end][None, :, :] + moves[:, None, :]).reshape(-1, 3) for start, end in _ranges(field)]
         return np.concatenate(blocks)
 
     still = np.zeros_like(shifts)
@@ -67,7 +66,7 @@ def replicate(field: Field, config: Configuration, counts: Sequence[int]) -> tup
 def replicate_as_asked(
     settings: Settings, field: Field, config: Configuration, notes: Notes
 ) -> tuple[Field, Configuration]:
-    """Return the records after CONTROL's ``nfold``. Raises SceneError as ``replicate``, with the place of the keyword."""
+    """Return the records after CONTROL's ``nfold``. Raises SceneError as ``replicate``, naming the keyword's place."""
     asked = settings.vector("nfold")
     if asked == (1, 1, 1):
         return field, config
@@ -79,7 +78,8 @@ def replicate_as_asked(
     larger, configuration = replicate(field, config, numbers)
     times = " x ".join(str(n) for n in numbers)
     notes.choice(
-        f"nfold: the configuration is repeated {times} times, {field.bead_count} beads become {larger.bead_count}", where
+        f"nfold: the configuration is repeated {times} times, {field.bead_count} beads become {larger.bead_count}",
+        where,
     )
     for term in field.externals:
         text = f"the external field {term.key} acts on the repeated configuration as on any other; it is not repeated"
@@ -96,7 +96,9 @@ def _checked(counts: Sequence[float], config: Configuration, beads: int) -> tupl
     if config.imcon == 0 and (a, b, c) != (1, 1, 1):
         raise SceneError(f"a configuration that is not periodic (imcon 0) cannot be repeated {text} times")
     if config.imcon == 6 and c != 1:
-        raise SceneError(f"a slab (imcon 6) is not periodic along its third vector and cannot be repeated {c} times there")
+        raise SceneError(
+            f"a slab (imcon 6) is not periodic along its third vector and cannot be repeated {c} times there"
+        )
     if a * b * c * beads > _MOST_BEADS:
         raise SceneError(f"{beads} beads repeated {text} times are more than {_MOST_BEADS}")
     return a, b, c
@@ -105,7 +107,7 @@ def _checked(counts: Sequence[float], config: Configuration, beads: int) -> tupl
 def _ranges(field: Field) -> list[tuple[int, int]]:
     """Return first bead and end of each molecule type."""
     ends = np.cumsum([0, *(m.count * m.beads_per_molecule for m in field.molecules)]).tolist()
-    return list(zip(ends[:-1], ends[1:], strict=True))
+    return list(pairwise(ends))
 
 
 def _whole(field: Field, config: Configuration, cell: FloatArray) -> FloatArray:
@@ -139,7 +141,7 @@ def _links(molecule: Molecule) -> set[tuple[int, int]]:
         (min(a, b) - 1, max(a, b) - 1)
         for block in molecule.blocks
         for line in block.lines
-        for a, b in zip(line.beads, line.beads[1:], strict=False)
+        for a, b in pairwise(line.beads)
     }
 
 
