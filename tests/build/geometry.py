@@ -39,6 +39,14 @@ def bonds(built: Built) -> list[tuple[int, int]]:
     return found
 
 
+def bond_lengths(built: Built) -> np.ndarray:
+    """The length of each bond, by the nearest of all images."""
+    first, second = np.array(bonds(built)).T
+    apart = built.config.positions[first] - built.config.positions[second]
+    images = np.array(list(product((-1, 0, 1), repeat=3))) @ built.config.cell
+    return np.linalg.norm(apart[:, None, :] + images, axis=2).min(axis=1)
+
+
 def closest(built: Built, first: str, second: str, *, bonded: bool = False) -> float:
     """The shortest distance of beads of two species; without ``bonded``, of those that no bond connects."""
     apart = distances(built).copy()
