@@ -1,4 +1,4 @@
-"""The command line: ``pydlpoly run | check | explain | convert | bench | tradeoff``.
+"""The command line: ``pydlpoly run | check | explain | convert | build | bench | tradeoff``.
 
 Exit codes: 0 done, 1 the input was refused, 2 wrong usage, 3 the run stopped being physical, 130 interrupted by Ctrl-C
 or SIGTERM (after writing the checkpoint). ``tradeoff`` has two more: 4 its budget was too short to recommend anything,
@@ -20,6 +20,7 @@ import typer
 
 from pydlpoly import __version__
 from pydlpoly.bench.cli import bench
+from pydlpoly.build.cli import build
 from pydlpoly.conversion import convert_folder
 from pydlpoly.engines.native import NativeEngine
 from pydlpoly.errors import InputError, PydlpolyError, RunError, suggest
@@ -243,6 +244,7 @@ def tradeoff(
     raise typer.Exit(code)
 
 
+app.command()(build)
 app.command()(bench)
 
 

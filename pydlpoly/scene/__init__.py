@@ -11,6 +11,7 @@ from pydlpoly.scene.model import (
     RunPlan,
     Scene,
 )
+from pydlpoly.scene.replicate import replicate
 from pydlpoly.scene.resolve import resolve
 
 __all__ = [
@@ -23,5 +24,6 @@ __all__ = [
     "RunPlan",
     "Scene",
     "load",
+    "replicate",
     "resolve",
 ]

@@ -120,7 +120,7 @@ def _with_tables(
 ) -> tuple[tuple[PairTable, ...], tuple[BondedTable, ...], tuple[str, ...]]:
     tables, table_path = _tables(folder, control, field)
     bonded_tables, bonded_paths = _bonded_tables(folder, control, field)
-    return tables, bonded_tables, (*sources, *table_path, *bonded_paths)
+    return tables, tuple(bonded_tables), (*sources, *table_path, *bonded_paths)
 
 
 def _find(folder: Path | None, given: Path_ | None, usual: str, what: str, cure: str) -> Path:

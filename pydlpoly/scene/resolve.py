@@ -25,6 +25,7 @@ from pydlpoly.scene.interactions import (
 )
 from pydlpoly.scene.model import Beads, Scene
 from pydlpoly.scene.output import resolve_output
+from pydlpoly.scene.replicate import replicate_as_asked
 from pydlpoly.scene.settings import Notes, Settings, place
 from pydlpoly.scene.shear import SHEARED_SHAPE, check_shear, resolve_shear
 from pydlpoly.scene.walls import check_beads_inside, open_axes, resolve_walls
@@ -72,6 +73,7 @@ def resolve(
     settings.refuse_unmodelled()
     settings.consumed.update(_FOLLOWED_BY_READERS)
     _refuse_unmodelled_blocks(field)
+    field, config = replicate_as_asked(settings, field, config, notes)
 
     units, field_units = _units(settings, field, notes)
     dynamics = resolve_dynamics(settings, field_units.reduced, notes)

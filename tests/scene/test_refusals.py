@@ -163,8 +163,8 @@ CASES = {
     ),
     "replay": ({"control": {"replay": "on"}}, "CONTROL:10: 'replay': replay on is not modelled: replay of a HISTORY"),
     "replication": (
-        {"control": {"nfold": "[ 2 2 2 ]"}},
-        "CONTROL:10: 'nfold': nfold [ 2 2 2 ] is not modelled: replication of the cell",
+        {"control": {"nfold": "[ 2 0 2 ]"}},
+        "CONTROL:10: 'nfold': expected three whole numbers from 1 on, not 2 0 2",
     ),
     "plumed": ({"control": {"plumed": "on"}}, "CONTROL:10: 'plumed': plumed on is not modelled: PLUMED"),
     "vdw_by_ewald": (
