@@ -115,13 +115,13 @@ def test_density_is_that_of_the_frames(folder: Path) -> None:
     edges = np.linspace(-EDGE / 2, EDGE / 2, 21)
     np.testing.assert_allclose(table.z, 0.5 * (edges[1:] + edges[:-1]), rtol=1e-6)
     for kind, name in enumerate("AB"):
-        counted = sum(np.histogram(f.positions[KINDS == kind][:, 2], edges)[0] for f in frames)
+        counted = sum(np.histogram(f.positions[kind == KINDS][:, 2], edges)[0] for f in frames)
         np.testing.assert_allclose(table[name], counted / len(frames) / (EDGE**3 / 20), rtol=2e-6)
         assert table[name].mean() * EDGE**3 == pytest.approx(COUNTS[name], rel=1e-6)
 
 
 def correlations_of(frames, origins: list[int], length: int, kind: int) -> np.ndarray:
-    at = {f.step: f.velocities[KINDS == kind] for f in frames}
+    at = {f.step: f.velocities[kind == KINDS] for f in frames}
     return np.array([[np.sum(at[o] * at[o + k]) for k in range(length + 1)] for o in origins])
 
 

@@ -19,8 +19,16 @@ from numpy.typing import ArrayLike
 
 from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import FrameFile, PathLike
-from pydlpoly.formats.fortran import fortran_e, fortran_f, fortran_i, integer_columns, parse_real, parse_reals, record
-from pydlpoly.formats.fortran import text_columns
+from pydlpoly.formats.fortran import (
+    fortran_e,
+    fortran_f,
+    fortran_i,
+    integer_columns,
+    parse_real,
+    parse_reals,
+    record,
+    text_columns,
+)
 from pydlpoly.formats.records import FloatArray
 
 RECORD_BYTES = 53
