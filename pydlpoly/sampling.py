@@ -75,10 +75,9 @@ class DensityReporter:
         bins = self._counts.shape[1]
         height, volume = self._sizes / max(self._samples, 1)
         z = ((np.arange(bins) + 0.5) / bins - 0.5) * height
-        density = (
-            self._counts / (max(self._samples, 1) * volume / bins) if self._samples else np.zeros_like(self._counts)
-        )
-        return z, np.asarray(density, dtype=np.float64)
+        if not self._samples:
+            return z, np.zeros(self._counts.shape)
+        return z, self._counts / (self._samples * volume / bins)
 
     def sync(self) -> None:
         """Write the file, when anything has been sampled."""
@@ -180,11 +179,11 @@ class VelocityReporter:
         averaged = self._scene.output.vaf_averaging
         samples = max(self._sets, 1) if averaged else 1
         steps = np.arange(self._length + 1) * self._scene.dynamics.timestep
-        times = steps if averaged else self._last - self._last[0]
+        times = np.asarray(steps if averaged else self._last - self._last[0], dtype=np.float64)
         found = []
         for species, number, sums in zip(self._scene.species, self._numbers, self._sums.T, strict=True):
             first = float(sums[0])
-            values = sums / first if first != 0.0 else sums
+            values = np.asarray(sums / first if first != 0.0 else sums, dtype=np.float64)
             at_origin = first / (number * samples) if number else 0.0
             found.append(VelocityCorrelation(species, at_origin, float(self._last[0]), times, values))
         return found

@@ -188,7 +188,7 @@ def test_a_checkpoint_writes_what_there_is(tmp_path: Path) -> None:
         def next_step(self, step: int) -> int | None:
             return 30 if step < 30 else None
 
-        def report(self, simulation: pydlpoly.Simulation) -> None:
+        def report(self, _: pydlpoly.Simulation) -> None:
             simulations.append({name: (tmp_path / name).read_bytes() for name in FILES[:3]})
 
     scene = pydlpoly.load(tmp_path)
@@ -251,7 +251,8 @@ def test_old_style_names(tmp_path: Path) -> None:
     run_folder(tmp_path)
     (tmp_path / "CONTROL").write_text(
         "test run\ntemperature 1.0\nsteps 20\nequilibration 0\nensemble nvt mdvv\ncutoff 1.0\ntimestep 0.01\n"
-        "vdw direct\nno elec\nbinsize 0.1\nzden every 2\nprint zden\nvaf 5 10\nmsdtmp 4 8\njob time 10\nclose time 1\nfinish\n"
+        "vdw direct\nno elec\nbinsize 0.1\nzden every 2\nprint zden\nvaf 5 10\nmsdtmp 4 8\njob time 10\nclose time 1\n"
+        "finish\n"
     )
     plan = pydlpoly.load(tmp_path).output
     assert (plan.zden_every, plan.zden_bins) == (2, 10)

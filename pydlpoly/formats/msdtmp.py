@@ -138,7 +138,7 @@ def read_displacements(path: PathLike) -> Iterator[DisplacementFrame]:
     """
     name = os.fspath(path)
     try:
-        handle = Path(path).open(encoding="latin-1")
+        handle = Path(path).open(encoding="latin-1")  # noqa: SIM115 # closed below; only opening is judged here
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror or error}", path=name) from error
     with handle:

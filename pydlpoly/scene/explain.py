@@ -367,7 +367,7 @@ def _output(scene: Scene) -> list[str]:
         (
             ", ".join(f"VAFDAT_{name}" for name in scene.species),
             plan.vaf_every,
-            f"a sample of velocities over {plan.vaf_steps} steps, {'averaged' if plan.vaf_averaging else 'each written'}",
+            f"a sample over {plan.vaf_steps} steps begins, {'averaged' if plan.vaf_averaging else 'each written'}",
         ),
         (plan.msd_file, plan.msd_every, f"displacement and temperature of every bead from step {plan.msd_start}"),
     ]

@@ -36,6 +36,10 @@ def resolve_output(
     diagnostics_every = _interval(settings, "diagnostics_frequency")
     zden_every = _interval(settings, "zden_frequency") if settings.switch("zden_calculate") else 0
     zden_written = settings.switch("zden_print") and zden_every > 0
+    widths = {
+        name: _bin_width(settings, f"{name}_binsize", cutoff, notes) if on else settings.number(f"{name}_binsize")
+        for name, on in (("rdf", rdf_every > 0), ("zden", zden_written))
+    }
     vaf_every, vaf_steps = _velocity_samples(settings, species)
     msd_file = settings.file_name("io_file_msd")
     msd_every = _interval(settings, "msd_frequency") if settings.switch("msd_calculate") else 0
@@ -49,9 +53,7 @@ def resolve_output(
         trajectory_every=trajectory_every if trajectory_file else 0,
         trajectory_level=_TRAJECTORY_LEVELS[settings.word("traj_key")],
         rdf_every=rdf_every,
-        rdf_bin_width=_bin_width(settings, "rdf_binsize", cutoff, notes)
-        if rdf_every
-        else settings.number("rdf_binsize"),
+        rdf_bin_width=widths["rdf"],
         rdf_pairs=_rdf_pairs(field, species, pairs) if rdf_every else (),
         checkpoint_every=_interval(settings, "data_dump_frequency"),
         output_file=settings.file_name("io_file_output"),
@@ -62,7 +64,7 @@ def resolve_output(
         configuration_file=settings.file_name("io_file_revcon"),
         checkpoint_file=settings.file_name("io_file_revive"),
         zden_every=zden_every if zden_written else 0,
-        zden_bins=max(1, round(cutoff / _bin_width(settings, "zden_binsize", cutoff, notes))) if zden_written else 1,
+        zden_bins=max(1, round(cutoff / widths["zden"])) if zden_written else 1,
         vaf_every=vaf_every,
         vaf_steps=vaf_steps,
         vaf_averaging=settings.switch("vaf_averaging") if vaf_every else True,
