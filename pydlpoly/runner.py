@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Protocol
 
 from pydlpoly.errors import InputError, RunError
 from pydlpoly.formats.output import RunSummary
@@ -27,11 +28,22 @@ from pydlpoly.reporters import (
     TrajectoryReporter,
     stress_reporters,
 )
-from pydlpoly.scene.model import OutputPlan, Scene
-from pydlpoly.simulation import Simulation
+from pydlpoly.sampling import DensityReporter, DisplacementReporter, VelocityReporter
+from pydlpoly.scene.model import Scene
+from pydlpoly.simulation import Reporter, Simulation
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)  # batch systems announce the end of a job with the second
 _SCREEN = "SCREEN"
+
+
+class _File(Reporter, Protocol):
+    """A reporter with files of its own."""
+
+    def sync(self) -> None:
+        """Have everything so far reach the disk."""
+
+    def close(self) -> None:
+        """Close the files."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +163,8 @@ def _fights_with(scene: Scene) -> bool:
     return scene.output.output_file == _SCREEN and sys.stdout.isatty()
 
 
-def _file_names(output: OutputPlan) -> list[str]:
+def _file_names(scene: Scene) -> list[str]:
+    output = scene.output
     names = [
         None if output.output_file == _SCREEN else output.output_file,
         output.statistics_file if output.statistics_every > 0 else None,
@@ -160,6 +173,9 @@ def _file_names(output: OutputPlan) -> list[str]:
         output.rdf_file if output.rdf_every > 0 else None,
         output.profile.file if output.profile.every > 0 else None,
         output.correlations.file if output.correlations.terms else None,
+        "ZDNDAT" if output.zden_every > 0 else None,
+        output.msd_file if output.msd_every > 0 else None,
+        *(path.name for path in VelocityReporter.paths(scene, Path()) if output.vaf_every > 0),
         output.configuration_file,
         output.checkpoint_file,
     ]
@@ -168,7 +184,7 @@ def _file_names(output: OutputPlan) -> list[str]:
 
 def _prepare_folder(folder: Path, scene: Scene, *, keep: bool) -> None:
     """Make sure that all files can be written, then move those of an earlier run aside when ``keep`` says so."""
-    paths = [folder / name for name in _file_names(scene.output)]
+    paths = [folder / name for name in _file_names(scene)]
     _refuse_clashes(paths, scene, folder / (scene.output.configuration_file or "") if not keep else None)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -198,6 +214,16 @@ def _refuse_clashes(paths: list[Path], scene: Scene, allowed: Path | None) -> No
         seen.add(real)
 
 
+def _samplers(simulation: Simulation, folder: Path, *, append: bool) -> Iterator[_File]:
+    output = simulation.scene.output
+    if output.zden_every > 0:
+        yield DensityReporter(simulation, folder / "ZDNDAT")
+    if output.vaf_every > 0:
+        yield VelocityReporter(simulation, folder, append=append)
+    if output.msd_every > 0:
+        yield DisplacementReporter(simulation, folder / output.msd_file, append=append)
+
+
 @contextmanager
 def _reporters(
     simulation: Simulation, folder: Path, *, append: bool
@@ -207,7 +233,7 @@ def _reporters(
     screen = output.output_file == _SCREEN
     path = folder / output.output_file if output.output_file is not None and not screen else None
     with ExitStack() as opened:
-        files: list[StatisticsReporter | DiagnosticsReporter | TrajectoryReporter] = []
+        files: list[_File] = []
         try:
             if output.statistics_every > 0:
                 statistics = StatisticsReporter(simulation, folder / output.statistics_file, append=append)
@@ -221,6 +247,9 @@ def _reporters(
                 trajectory = TrajectoryReporter(simulation, folder / output.trajectory_file, append=append)
                 opened.callback(trajectory.close)
                 files.append(trajectory)
+            for sampler in _samplers(simulation, folder, append=append):
+                opened.callback(sampler.close)
+                files.append(sampler)
             log = OutputReporter(simulation, path, append=append, stream=sys.stdout if screen else None)
             opened.callback(log.close)
         except RunError as error:  # a file that cannot be opened is a matter of the input, not of the physics

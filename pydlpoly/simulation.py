@@ -300,6 +300,16 @@ class Simulation:
             time=self.time,
         )
 
+    @property
+    def positions(self) -> FloatArray:
+        """(N, 3) a copy of the positions, wrapped into the cell, Å."""
+        return np.asarray(self._engine.system.positions)
+
+    @property
+    def velocities(self) -> FloatArray:
+        """(N, 3) a copy of the velocities, Å/ps."""
+        return np.asarray(self._engine.system.velocities)
+
     def displacements(self) -> FloatArray:
         """Return how far every bead is from where it started, (N, 3) in Å, followed across cell boundaries.
 

@@ -84,6 +84,7 @@ def _fill_defaults(reading: Reading) -> None:
         given.setdefault(keyword, Setting(keyword, 100, "steps"))
     for name in ("rdf", "zden", "vaf"):
         if f"{name}_calculate" in given and f"{name}_print" not in given:
-            text = f"{name} is collected but not written, because 'print {name}' is missing"
-            reading.warnings.append(f"{reading.path}: {text}")
+            if name != "vaf":  # which is written all the same
+                text = f"{name} is collected but not written, because 'print {name}' is missing"
+                reading.warnings.append(f"{reading.path}: {text}")
             given[f"{name}_print"] = Setting(f"{name}_print", False)

@@ -297,6 +297,20 @@ _REPORTS = (
     _option("stress_profile_axis", "x y z", "z", "the layers are perpendicular to it"),
     _float("stress_profile_binsize", "length", "0.1 ang", "thickness of a layer, rounded to a whole number of them"),
     _int("stress_profile_interfaces", "2", "how many interfaces share the surface tension"),
+    _bool("zden_calculate", "off", "collect density profiles along z", old="zden [every] n"),
+    _bool("zden_print", "on", "write ZDNDAT", old="print zden"),
+    _steps("zden_frequency", "1 steps", "interval of the collection"),
+    _float("zden_binsize", "length", "0.05 ang", "width of the bins that fill the cutoff; as many fill the cell",
+           old="binsize f"),
+    _bool("vaf_calculate", "off", "collect velocity autocorrelations", old="vaf [every] n [binsize] n"),
+    _bool("vaf_print", "on", "print the result in OUTPUT", "ignored: it is in VAFDAT_<species>", "print vaf"),
+    _steps("vaf_frequency", "1 steps", "interval between samples; 0 = 50"),
+    _int("vaf_binsize", "0", "steps in a sample; 0 = 100, or twice a vaf_frequency of 100 or more"),
+    _bool("vaf_averaging", "on", "average over the samples instead of writing each", old="no vafav"),
+    _bool("msd_calculate", "off", "write MSDTMP", old="msdtmp start interval"),
+    _bool("msd_print", "off", "print mean-square displacements", "ignored: OUTPUT and STATIS always have them"),
+    _steps("msd_start", "0 steps", "first step of MSDTMP"),
+    _steps("msd_frequency", "1 steps", "interval of MSDTMP"),
     _option("io_units_scheme", "internal dpd si atomic hartree kj kcal boltzmann", "internal", "units of reports",
             effects=dict.fromkeys(("si", "atomic", "hartree", "kj", "kcal", "boltzmann"),
                                   "ignored: reports follow FIELD's units")),
@@ -317,6 +331,7 @@ _REPORTS = (
     _string("io_file_rdf", "RDFDAT", "radial distributions; NONE is special", old="io rdf name"),
     _string("io_file_stress_profile", "STRPRF", "stress in layers; NONE is special"),
     _string("io_file_cor", "COR", "correlation functions; NONE is special", old="io cor name"),
+    _string("io_file_msd", "MSDTMP", "displacements of beads; NONE is special", old="io msd name"),
     _string("io_file_tabvdw", "TABVDW", "table of pair laws (TABLE with an old-style CONTROL)", old="io tabvdw name"),
     _string("io_file_control", "CONTROL", "this file", "ignored: it is already being read", "io control name"),
     *(_string(f"io_file_{name}", name.upper(), f"table of {what}", old=f"io {name} name") for name, what in (
@@ -324,7 +339,7 @@ _REPORTS = (
     _string("io_file_tabeam", "TABEAM", "table of metal laws", _METAL, "io tabeam name"),
     *(_string(f"io_file_{name}", default, "a file pydlpoly does not write or read",
               "ignored: pydlpoly does not write or read this file", f"io {name} name") for name, default in (
-        ("historf", "HISTORF"), ("msd", "MSDTMP"), ("currents", "CURRENTS"), ("heatflux", "HEATFLUX"),
+        ("historf", "HISTORF"), ("currents", "CURRENTS"), ("heatflux", "HEATFLUX"),
         ("setevb", "SETEVB"), ("popevb", "POPEVB"), ("field_2", "FIELD2"), ("field_3", "FIELD3"),
         ("config_2", "CONFIG2"), ("config_3", "CONFIG3"), ("revcon_2", "REVCON2"), ("revcon_3", "REVCON3"))),
     _bool("io_statis_yaml", "off", "STATIS as YAML", old="yml_statis"),
@@ -357,10 +372,6 @@ _REPORTS = (
 
 _ANALYSES = (
     *(_bool(name, "off", meaning, _NOT_WRITTEN, old) for name, meaning, old in (
-        ("msd_calculate", "mean-square displacements in MSDTMP", "msdtmp start interval"),
-        ("msd_print", "print mean-square displacements", ""),
-        ("zden_calculate", "density profile along z", "zden [every] n"),
-        ("vaf_calculate", "velocity autocorrelation", "vaf [every] n [binsize] n"),
         ("defects_calculate", "defects", "defects start interval f"), ("defects_backup", "defects of a backup", ""),
         ("displacements_calculate", "large displacements", "displacements start interval f"),
         ("coord_calculate", "coordination numbers", "coord i start interval"),
@@ -374,21 +385,18 @@ _ANALYSES = (
         ("analyse_angles", "distributions of angles", "analyse angles every n nbins n"),
         ("analyse_dihedrals", "distributions of dihedrals", "analyse dihedrals every n nbins n"),
         ("analyse_inversions", "distributions of inversions", "analyse inversions every n nbins n"))),
-    *(_bool(f"{name}_print", "on", "write the result", _NOT_WRITTEN, f"print {name}") for name in ("zden", "vaf")),
-    _bool("vaf_averaging", "on", "average over time origins", _NOT_WRITTEN, "no vafav"),
     *(_steps(name, default, "interval of an analysis", _NOT_WRITTEN) for name, default in (
-        ("msd_frequency", "1 steps"), ("zden_frequency", "1 steps"), ("vaf_frequency", "1 steps"),
         ("defects_interval", "1 steps"), ("displacements_interval", "1 steps"), ("coord_interval", "100 steps"),
         ("adf_frequency", "100 steps"), ("analyse_frequency", "1 steps"),
         ("analyse_frequency_bonds", "1 steps"), ("analyse_frequency_angles", "1 steps"),
         ("analyse_frequency_dihedrals", "1 steps"), ("analyse_frequency_inversions", "1 steps"))),
     *(_steps(f"{name}_start", "0 steps", "first step of an analysis", _NOT_WRITTEN) for name in
-      ("msd", "defects", "displacements", "coord")),
+      ("defects", "displacements", "coord")),
     *(_float(name, "length", default, "length of an analysis", _NOT_WRITTEN) for name, default in (
-        ("zden_binsize", "0.05 ang"), ("defects_distance", "0.75 ang"), ("displacements_distance", "0.75 ang"),
+        ("defects_distance", "0.75 ang"), ("displacements_distance", "0.75 ang"),
         ("analyse_max_dist", "2.0 ang"))),
     *(_int(name, default, "number of bins", _NOT_WRITTEN) for name, default in (
-        ("vaf_binsize", "0"), ("analyse_num_bins", "-1"), ("analyse_num_bins_bonds", "0"),
+        ("analyse_num_bins", "-1"), ("analyse_num_bins_bonds", "0"),
         ("analyse_num_bins_angles", "0"), ("analyse_num_bins_dihedrals", "0"), ("analyse_num_bins_inversions", "0"))),
     _option("coord_ops", "icoord ccoord full", "icoord", "kind of coordination list", _NOT_WRITTEN),
     _float("adf_precision", "number", "0.0", "precision of angular distributions", _NOT_WRITTEN),

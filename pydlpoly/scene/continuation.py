@@ -21,8 +21,8 @@ def check_continues(stored: Scene, scene: Scene, path: str, cells: tuple[FloatAr
         cells: where a barostat moved the cell: the present one and that of the start; either may be the scene's.
 
     Raises:
-        InputError: other beads (number, species, masses, charges, which are frozen), another cell, or other bins of a
-            radial distribution that both collect.
+        InputError: other beads (number, species, masses, charges, which are frozen), another cell, or other bins or
+            samples of what both collect.
     """
     if stored.bead_count != scene.bead_count:
         raise InputError(
@@ -42,6 +42,24 @@ def check_continues(stored: Scene, scene: Scene, path: str, cells: tuple[FloatAr
     if not (len(shapes) == 1 or shapes == {1, 2}) or not any(same):
         raise InputError("holds another cell than the scene to go on with", path=path)
     _check_bins(stored, scene, path)
+    _check_samples(stored, scene, path)
+
+
+def _check_samples(stored: Scene, scene: Scene, path: str) -> None:
+    was, now = stored.output, scene.output
+    if was.zden_every and now.zden_every and was.zden_bins != now.zden_bins:
+        raise InputError(
+            f"has collected density profiles in {was.zden_bins} bins, but the scene to go on with asks for "
+            f"{now.zden_bins}; keep cutoff and zden_binsize, or switch zden_calculate off",
+            path=path,
+        )
+    shapes = [(plan.vaf_every, plan.vaf_steps, plan.vaf_averaging) for plan in (was, now)]
+    if was.vaf_every and now.vaf_every and shapes[0] != shapes[1]:
+        raise InputError(
+            "has collected velocity autocorrelations with other samples than the scene to go on with asks for; keep "
+            "vaf_frequency, vaf_binsize and vaf_averaging, or switch vaf_calculate off",
+            path=path,
+        )
 
 
 def _check_bins(stored: Scene, scene: Scene, path: str) -> None:

@@ -429,6 +429,13 @@ def _output(scene: Scene) -> list[str]:
             plan.rdf_every,
             f"radial distribution in bins of {plan.rdf_bin_width:g}{word.length} for {pairs}",
         ),
+        ("ZDNDAT", plan.zden_every, f"density profile along z in {plan.zden_bins} bins"),
+        (
+            ", ".join(f"VAFDAT_{name}" for name in scene.species),
+            plan.vaf_every,
+            f"a sample over {plan.vaf_steps} steps begins, {'averaged' if plan.vaf_averaging else 'each written'}",
+        ),
+        (plan.msd_file, plan.msd_every, f"displacement and temperature of every bead from step {plan.msd_start}"),
     ]
     files += [_profile(plan.profile), _correlations(plan.correlations)]
     lines = [_wrap(f"{name}: {_every(every)}, {what}") for name, every, what in files if name and every]

@@ -366,6 +366,7 @@ class OutputPlan:
 
     ``output_file`` "SCREEN" is the standard output. ``trajectory_level`` is DL_POLY's: 0 positions, 1 and velocities,
     2 and forces, 3 compressed. ``rdf_pairs`` holds the pairs of species to be collected, empty when ``rdf_every`` is 0.
+    ``zden_bins`` lie over the height of the cell. ``vaf_every`` is the interval between samples of ``vaf_steps`` steps.
     """
 
     print_every: int = 0
@@ -389,6 +390,14 @@ class OutputPlan:
     checkpoint_file: str | None = "REVIVE"
     profile: ProfilePlan = ProfilePlan()
     correlations: CorrelationPlan = CorrelationPlan()
+    zden_every: int = 0
+    zden_bins: int = 1
+    vaf_every: int = 0
+    vaf_steps: int = 1
+    vaf_averaging: bool = True
+    msd_every: int = 0
+    msd_start: int = 0
+    msd_file: str = "MSDTMP"
 
 
 @dataclass(frozen=True, eq=False)

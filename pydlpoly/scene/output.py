@@ -43,6 +43,15 @@ def resolve_output(
     statistics_every = _interval(settings, "stats_frequency")
     diagnostics_file = settings.file_name("io_file_diagnostics")
     diagnostics_every = _interval(settings, "diagnostics_frequency")
+    zden_every = _interval(settings, "zden_frequency") if settings.switch("zden_calculate") else 0
+    zden_written = settings.switch("zden_print") and zden_every > 0
+    widths = {
+        name: _bin_width(settings, f"{name}_binsize", cutoff, notes) if on else settings.number(f"{name}_binsize")
+        for name, on in (("rdf", rdf_every > 0), ("zden", zden_written))
+    }
+    vaf_every, vaf_steps = _velocity_samples(settings, species)
+    msd_file = settings.file_name("io_file_msd")
+    msd_every = _interval(settings, "msd_frequency") if settings.switch("msd_calculate") else 0
     return OutputPlan(
         print_every=_interval(settings, "print_frequency"),
         statistics_every=statistics_every if statistics_file else 0,
@@ -53,7 +62,7 @@ def resolve_output(
         trajectory_every=trajectory_every if trajectory_file else 0,
         trajectory_level=_TRAJECTORY_LEVELS[settings.word("traj_key")],
         rdf_every=rdf_every,
-        rdf_bin_width=_bin_width(settings, cutoff, notes) if rdf_every else settings.number("rdf_binsize"),
+        rdf_bin_width=widths["rdf"],
         rdf_pairs=_rdf_pairs(field, species, pairs) if rdf_every else (),
         checkpoint_every=_interval(settings, "data_dump_frequency"),
         output_file=settings.file_name("io_file_output"),
@@ -65,6 +74,14 @@ def resolve_output(
         checkpoint_file=settings.file_name("io_file_revive"),
         profile=resolve_profile(settings, cell, periodic, notes),
         correlations=resolve_correlations(settings, notes),
+        zden_every=zden_every if zden_written else 0,
+        zden_bins=max(1, round(cutoff / widths["zden"])) if zden_written else 1,
+        vaf_every=vaf_every,
+        vaf_steps=vaf_steps,
+        vaf_averaging=settings.switch("vaf_averaging") if vaf_every else True,
+        msd_every=msd_every if msd_file else 0,
+        msd_start=_interval(settings, "msd_start") if msd_every else 0,
+        msd_file=msd_file or "MSDTMP",
     )
 
 
@@ -85,15 +102,29 @@ def _stack_size(settings: Settings, notes: Notes) -> int:
     return max(size, _LEAST_STACK)
 
 
-def _bin_width(settings: Settings, cutoff: float, notes: Notes) -> float:
-    width = settings.number("rdf_binsize")
+def _velocity_samples(settings: Settings, species: tuple[str, ...]) -> tuple[int, int]:
+    """Return the interval between samples of velocities and their length, with DL_POLY's defaults where they are 0."""
+    if not settings.switch("vaf_calculate"):
+        return 0, 1
+    for name in species:
+        if "/" in name:
+            raise settings.refusal("vaf_calculate", f"a file VAFDAT_{name} cannot be named after this species")
+    every = _interval(settings, "vaf_frequency") or 50
+    length = settings.integer("vaf_binsize")
+    if length < 0:
+        raise settings.refusal("vaf_binsize", f"expected a number of steps, found {length}")
+    return every, length or (2 * every if every >= 100 else 100)
+
+
+def _bin_width(settings: Settings, keyword: str, cutoff: float, notes: Notes) -> float:
+    width = settings.number(keyword)
     if 1e-5 <= width <= 0.25 * cutoff:
         return width
     reset = min(0.05, 0.25 * cutoff)
     notes.warning(
-        f"rdf_binsize {width:g} lies outside 0.00001 to a quarter of the cutoff: {reset:g} ang is used (DL_POLY's "
+        f"{keyword} {width:g} lies outside 0.00001 to a quarter of the cutoff: {reset:g} ang is used (DL_POLY's "
         "warning 340)",
-        settings.where("rdf_binsize"),
+        settings.where(keyword),
     )
     return reset
 

@@ -17,7 +17,7 @@ from pydlpoly.scene.settings import Settings
 from pydlpoly.units import DIMENSIONS
 
 NVE = {"ensemble": "nve", "ensemble_method": None, "ensemble_dpd_order": None}
-REPORTS = {"rdf_calculate": "on", "traj_calculate": "on"}
+REPORTS = {f"{name}_calculate": "on" for name in ("rdf", "traj", "zden", "vaf", "msd")}
 
 
 def is_used(row):
