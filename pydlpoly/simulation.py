@@ -66,14 +66,16 @@ class Observation:
     pressure in katm; in scenes with ``units dpd`` both are reduced (k_B = 1).
 
     Attributes:
-        energy: by component: "pair", "bond", "angle", "dihedral", "inversion", "tether", "potential" (all of these),
-            "kinetic", "total" (potential and kinetic) and "thermostat" (what hoover's variable holds; its sum
-            with total is conserved. With npt and nst what the piston holds, and P V of the target).
+        energy: by component: "pair", "bond", "angle", "dihedral", "inversion", "tether", "charge",
+            "potential" (all of these), "kinetic", "total" (potential and kinetic) and "thermostat" (what the variable
+            of hoover holds; its sum with total is conserved. With npt and nst what the piston holds, and P V of the
+            target).
         stress: (3, 3) pressure tensor in the pressure unit, all parts.
-        stress_parts: the same by part: "kinetic", "conservative" (pairs), "drag", "noise", "bonded".
+        stress_parts: the same by part: "kinetic", "conservative" (pairs), "drag", "noise", "bonded", "charge".
         virial: −Σ r·F of all forces; ``pair_virial``: of the conservative pair forces alone.
         momentum: (3,) total momentum in Da Å/ps.
         bonded_virial: −Σ r·F by component: "bond", "angle", "dihedral", "inversion", "tether".
+        charge_virial: −Σ r·F of the electrostatics.
     """
 
     step: int
@@ -88,15 +90,16 @@ class Observation:
     volume: float
     momentum: FloatArray
     bonded_virial: dict[str, float]
+    charge_virial: float
 
 
 @dataclass(frozen=True, eq=False)
 class SinglePoint:
-    """Energy, forces and stress of a scene's configuration, pair laws, bonded terms and external fields only.
+    """Energy, forces and stress of a scene's configuration: pair laws, bonded terms, charges and external fields.
 
     Attributes:
         energy: by component, internal units: "pair" (with the long-range correction and scaled 1-4 pairs), "bond",
-            "angle", "dihedral", "inversion", "tether", "charge" (0: charges are not modelled) and "total".
+            "angle", "dihedral", "inversion", "tether", "charge" and "total".
         forces: (N, 3), Da Å/ps²; frozen beads feel none.
         stress: (3, 3) configurational pressure tensor Σ F_a r_b / V, internal pressure (Da/(Å ps²)); a repulsion is
             positive.
@@ -368,7 +371,7 @@ class Simulation:
         """Return Σ|∇U|² and Σ∇²U over the mobile beads at the present positions, internal units.
 
         The ratio of their averages over a run is k_B times the configurational temperature, which shows the error of a
-        timestep that the kinetic temperature hides. ∇U is of pair laws, bonded terms and external fields; the second
+        timestep that the kinetic temperature hides. ∇U is of all conservative forces; the second
         derivatives are differences of forces, exact to about 1e-9.
         """
         if self._configurational is None or self._configurational[0] != self.step:
@@ -487,6 +490,8 @@ class Simulation:
             volume=float(arrays["totals.volume"]),
             bonded_energies=arrays["totals.bonded_energies"],
             bonded=arrays["totals.bonded"],
+            charge_energy=float(arrays.get("totals.charge_energy", 0.0)),  # checkpoints of before charges have none
+            charge=arrays.get("totals.charge", np.zeros((3, 3))),
             thermostat_energy=float(arrays["totals.thermostat_energy"]),
         )
         system.forces = arrays["forces"]
@@ -516,9 +521,10 @@ def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Obse
         "drag": totals.drag,
         "noise": totals.noise,
         "bonded": np.sum(totals.bonded, axis=0),
+        "charge": totals.charge,
     }
     bonded = dict(zip(get_args(BondedKind), totals.bonded_energies.tolist(), strict=True))
-    potential = totals.pair_energy + sum(bonded.values())
+    potential = totals.pair_energy + sum(bonded.values()) + totals.charge_energy
     factor = scene.units.pressure_factor / totals.volume
     stress_parts = {name: tensor * factor for name, tensor in parts.items()}
     stress = np.sum(list(stress_parts.values()), axis=0)
@@ -530,6 +536,7 @@ def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Obse
         energy={
             "pair": totals.pair_energy,
             **bonded,
+            "charge": totals.charge_energy,
             "potential": potential,
             "kinetic": kinetic,
             "total": potential + kinetic,
@@ -539,13 +546,14 @@ def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Obse
         pressure=float(np.trace(stress)) / 3.0,
         stress=stress,
         stress_parts=stress_parts,
-        virial=-float(np.trace(totals.conservative + totals.drag + totals.noise + parts["bonded"])),
+        virial=-float(np.trace(totals.conservative + totals.drag + totals.noise + parts["bonded"] + totals.charge)),
         pair_virial=-float(np.trace(totals.conservative)),
         volume=totals.volume,
         momentum=totals.momentum,
         bonded_virial={
             kind: -float(np.trace(tensor)) for kind, tensor in zip(get_args(BondedKind), totals.bonded, strict=True)
         },
+        charge_virial=-float(np.trace(totals.charge)),
     )
 
 
@@ -563,13 +571,13 @@ def single_point(scene: Scene, *, threads: int | None = None) -> SinglePoint:
     engine.initialise()
     totals = engine.totals()
     bonded = dict(zip(get_args(BondedKind), totals.bonded_energies.tolist(), strict=True))
-    virial = totals.conservative + np.sum(totals.bonded, axis=0)
+    virial = totals.conservative + np.sum(totals.bonded, axis=0) + totals.charge
     return SinglePoint(
         energy={
             "pair": totals.pair_energy,
             **bonded,
-            "charge": 0.0,
-            "total": totals.pair_energy + sum(bonded.values()),
+            "charge": totals.charge_energy,
+            "total": totals.pair_energy + sum(bonded.values()) + totals.charge_energy,
         },
         forces=np.asarray(engine.system.forces),
         stress=virial / totals.volume,

@@ -30,12 +30,20 @@ void System::set_bonded(BondedForces terms, Exclusions exclusions) {
     ready = false;
 }
 
+void System::set_charges(ChargeForces charges) {
+    forces.set_charges(std::move(charges));
+    path_chosen_ = false;
+    fluid_.reset();
+    ready = false;
+}
+
 void System::choose_path() {
     if (path_chosen_) {
         return;
     }
     path_chosen_ = true;
     refusal_ = settings.precision == Precision::reference ? "the precision is reference"
+               : forces.charges() != nullptr              ? "there are charges"
                : forces.has_exclusions()
                    ? "bonded beads have no pair forces (keys without a leading '-')"
                    : fast::refusal(state.box, state.particles, forces.pairs().table(), settings, forces.has_fields());

@@ -31,6 +31,9 @@ class System {
     // Takes bonded terms, and the pairs of beads whose pair forces they replace.
     void set_bonded(BondedForces terms, Exclusions exclusions);
 
+    // Takes the electrostatics.
+    void set_charges(ChargeForces charges);
+
     // How steps are computed: "fast", or why not in words.
     [[nodiscard]] std::string plan();
 

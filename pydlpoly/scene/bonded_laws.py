@@ -24,7 +24,6 @@ KINDS: dict[str, BondedKind] = {
 
 _NOT_MODELLED = {
     "tab": "tabulated bonded laws are not modelled yet",
-    "coul": "Coulomb bonds are not modelled yet",
 }
 # Numbers 4 and 5 of a dihedral's line are the 1-4 factors, wherever its law's own numbers end.
 _FACTORS = slice(3, 5)
@@ -116,8 +115,7 @@ def read_bonded(kind: BondedKind, line: BondedLine, field: Field, factor: float)
     """
     law = bonded_laws().get((kind, line.key))
     if law is None:
-        reason = _NOT_MODELLED["tab" if line.key in ("tab", "-tab") else "coul"]
-        raise refusal(line, field, reason)
+        raise refusal(line, field, _NOT_MODELLED["tab"])
     numbers, factors = line.parameters, (0.0, 0.0)
     if kind == "dihedral":
         given = (*numbers[_FACTORS], 0.0, 0.0)

@@ -142,6 +142,8 @@ class Bonded:
         scaled: (s, 2) ids of excluded pairs that feel their pair law times a factor, as the ends of dihedrals may.
         scales: (s,) those factors.
         anchors: (N, 3) where tethers hold their beads (Å), None without tethers.
+        coulomb_scaled: (c, 2) ids of excluded pairs that feel electrostatics times a factor; ``coulomb_scales``: (c,)
+            those factors. None without electrostatics.
     """
 
     terms: tuple[BondedTerm, ...]
@@ -149,6 +151,38 @@ class Bonded:
     scaled: NDArray[np.int32]
     scales: FloatArray
     anchors: FloatArray | None = None
+    coulomb_scaled: NDArray[np.int32] | None = None
+    coulomb_scales: FloatArray | None = None
+
+
+@dataclass(frozen=True)
+class Electrostatics:
+    """How the charges of ``Beads`` act.
+
+    Attributes:
+        method: the core's name, "pairwise", "force_shifted", "reaction_field", "dddp" or "ewald"; ``keyword``:
+            CONTROL's.
+        shape: "point", "slater", "slater-exact", "gaussian" or "linear"; ``length``: λ = 1/β, λ, σ or R (Å).
+        strength: energy times length of two unit charges, internal units.
+        cutoff: of the part between pairs (Å).
+        alpha: of Ewald's sum or of the damping (1/Å), 0 for none.
+        permittivity: relative, of the reaction field.
+        counts: points of the mesh, or reciprocal vectors along each axis in the plain sum.
+        order: of the mesh's splines, 0 for the plain sum.
+        origins: where the numbers come from, in words.
+    """
+
+    method: str
+    keyword: str
+    shape: str
+    length: float
+    strength: float
+    cutoff: float
+    alpha: float = 0.0
+    permittivity: float = 1.0
+    counts: tuple[int, int, int] = (0, 0, 0)
+    order: int = 0
+    origins: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -310,6 +344,7 @@ class Scene:
         source_order: (N,) for scenes made from a structure whose beads had to be sorted: where each bead stood there.
         source_cell: (3, 3) the cell of that structure, when ``cell`` differs from it along axes that are not periodic.
         bonded: bonds, angles, dihedrals, inversions and tethers; None when there are none.
+        electrostatics: how charges act; None when they do not.
     """
 
     title: str
@@ -336,6 +371,7 @@ class Scene:
     source_order: NDArray[np.int64] | None = None
     source_cell: FloatArray | None = None
     bonded: Bonded | None = None
+    electrostatics: Electrostatics | None = None
 
     @property
     def bead_count(self) -> int:

@@ -9,10 +9,11 @@ import numpy as np
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import Configuration, Control, Field, FloatArray, PairTable
 from pydlpoly.scene.barostat import check_barostat, resolve_barostat, shape_of
-from pydlpoly.scene.beads import Layout, check_charges, check_configuration, lay_out
+from pydlpoly.scene.beads import Layout, check_configuration, lay_out
 from pydlpoly.scene.bonded import resolve_bonded
 from pydlpoly.scene.bonded_laws import KINDS
 from pydlpoly.scene.cell import resolve_cell, widths, wrap
+from pydlpoly.scene.charges import Strength, resolve_charges
 from pydlpoly.scene.dynamics import check_limits, resolve_dynamics, resolve_run, settle_momentum, start_velocities
 from pydlpoly.scene.interactions import (
     check_image_noise,
@@ -66,12 +67,13 @@ def resolve(
     dynamics = resolve_barostat(settings, dynamics, notes)
     layout = lay_out(field, notes)
     check_configuration(layout, field, config)
-    check_charges(layout, settings, field, notes)
     external = resolve_external(field, field_units.factor, config.imcon, notes)
     check_barostat(dynamics, settings, config, field, layout, external)
     cutoffs = resolve_cutoffs(settings, notes)
     cell, periodic = resolve_cell(config, cutoffs[0], notes)
     imcon = shape_of(dynamics, config.imcon, settings, notes)
+    strength = Strength(settings, field_units.reduced, dynamics)
+    electrostatics = resolve_charges(settings, field, layout, strength, cutoffs[0], cell, imcon, notes)
     pairs = resolve_pairs(settings, field, field_units.factor, layout, dynamics, cutoffs, tables, notes)
     check_limits(dynamics, pairs, layout, settings, notes)
     note_small_cell(pairs, widths(cell)[list(periodic)].tolist(), notes)
@@ -82,7 +84,9 @@ def resolve(
     output = resolve_output(settings, field, layout.species_names, pairs, cutoffs[0], notes)
     velocities = start_velocities(config, layout, run, fixed, notes)
     beads = _beads(layout, _wrapped(config, cell, periodic), velocities)
-    bonded = resolve_bonded(field, field_units.factor, beads, cell, periodic, config.path, notes)
+    bonded = resolve_bonded(
+        field, field_units.factor, beads, cell, periodic, config.path, notes, strength, electrostatics is not None
+    )
     tails = long_range_correction(settings, pairs, periodic, notes)
     settings.finish(notes)
     return Scene(
@@ -108,6 +112,7 @@ def resolve(
         notes=notes.all(),
         sources=tuple(sources) or (control.path, field.path, config.path),
         bonded=bonded,
+        electrostatics=electrostatics,
     )
 
 

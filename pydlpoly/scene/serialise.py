@@ -21,6 +21,7 @@ _CLASSES: dict[str, type[Any]] = {
         model.ExternalTerm,
         model.BondedTerm,
         model.Bonded,
+        model.Electrostatics,
         model.Schedule,
         model.Barostat,
         model.Dynamics,
