@@ -27,10 +27,12 @@ _CONTROL = {
 Blocks = Mapping[str, Sequence[str]]
 
 
-def molecule_text(names: Sequence[str], blocks: Blocks, copies: int = 1, frozen: Sequence[int] = ()) -> str:
+def molecule_text(
+    names: Sequence[str], blocks: Blocks, copies: int = 1, frozen: Sequence[int] = (), charges: Sequence[float] = ()
+) -> str:
     """One molecule type of FIELD: beads of mass 1 by name, and the lines of its blocks."""
     lines = ["chain", f"nummols {copies}", f"atoms {len(names)}"]
-    lines += [f"{name} 1.0 0.0 1 {int(k in frozen)}" for k, name in enumerate(names)]
+    lines += [f"{name} 1.0 {charges[k] if charges else 0.0} 1 {int(k in frozen)}" for k, name in enumerate(names)]
     for directive, rows in blocks.items():
         lines += [f"{directive} {len(rows)}", *rows]
     return "\n".join([*lines, "finish"])
@@ -48,6 +50,7 @@ def molecule_scene(
     control: Mapping[str, str | None] | None = None,
     units: str = "dpd",
     frozen: Sequence[int] = (),
+    charges: Sequence[float] = (),
     velocities: ArrayLike | None = None,
 ) -> Scene:
     """Return the scene of ``copies`` molecules, by default in reduced units, nve, without pair laws.
@@ -58,12 +61,12 @@ def molecule_scene(
         positions: (copies · len(names), 3).
         copies, pairs, cell, imcon, control, units: as in ``make_scene``.
         frozen: beads of a molecule, counted from 0, that never move.
+        charges: of the beads of a molecule, by default none.
         velocities: (N, 3); given ones are kept as they are.
     """
     vdw = [f"vdw {len(pairs)}", *pairs] if pairs else []
-    text = "\n".join(
-        ["test field", f"units {units}", "molecules 1", molecule_text(names, blocks, copies, frozen), *vdw, "close", ""]
-    )
+    molecule = molecule_text(names, blocks, copies, frozen, charges)
+    text = "\n".join(["test field", f"units {units}", "molecules 1", molecule, *vdw, "close", ""])
     places: FloatArray = np.asarray(positions, dtype=np.float64)
     configuration = Configuration(
         names=tuple(names) * copies,

@@ -46,6 +46,7 @@ def field_text(
     pairs: Sequence[str],
     *,
     masses: Mapping[str, float] | None = None,
+    charges: Mapping[str, float] | None = None,
     frozen: Sequence[str] = (),
     extern: str = "",
     units: str = "dpd",
@@ -53,8 +54,8 @@ def field_text(
     """FIELD with one molecule type of single beads for every species."""
     lines = ["test field", f"units {units}", f"molecules {len(beads)}"]
     for name, count in beads.items():
-        mass = (masses or {}).get(name, 1.0)
-        lines += [f"{name}_beads", f"nummols {count}", "atoms 1", f"{name} {mass!r} 0.0 1 {int(name in frozen)}"]
+        mass, charge = (masses or {}).get(name, 1.0), (charges or {}).get(name, 0.0)
+        lines += [f"{name}_beads", f"nummols {count}", "atoms 1", f"{name} {mass!r} {charge!r} 1 {int(name in frozen)}"]
         lines += ["finish"]
     lines += [f"vdw {len(pairs)}", *pairs] if pairs else []
     lines += ["extern", extern] if extern else []
@@ -71,6 +72,7 @@ def make_scene(
     velocities: ArrayLike | None = None,
     control: Mapping[str, str | None] | None = None,
     masses: Mapping[str, float] | None = None,
+    charges: Mapping[str, float] | None = None,
     frozen: Sequence[str] = (),
     extern: str = "",
     units: str = "dpd",
@@ -85,7 +87,7 @@ def make_scene(
         positions: (N, 3); by default independent uniform ones, from ``start_seed``.
         velocities: (N, 3); given ones are kept as they are (``restart noscale``).
         control: settings that replace or, with None, remove the default ones.
-        masses, frozen, extern, units: as in ``field_text``.
+        masses, charges, frozen, extern, units: as in ``field_text``.
     """
     box = cell_of(cell)
     count = sum(beads.values())
@@ -103,6 +105,6 @@ def make_scene(
     lines = [f"{keyword} {value}" for keyword, value in settings.items() if value is not None]
     with TemporaryDirectory() as folder:
         (Path(folder) / "CONTROL").write_text("\n".join([*lines, ""]))
-        field = field_text(beads, pairs, masses=masses, frozen=frozen, extern=extern, units=units)
+        field = field_text(beads, pairs, masses=masses, charges=charges, frozen=frozen, extern=extern, units=units)
         (Path(folder) / "FIELD").write_text(field)
         return load(folder, config=configuration)

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <limits>
 #include <new>
 #include <stdexcept>
@@ -801,9 +802,8 @@ bool FluidOf<Record>::add_charges(const State& state, std::uint64_t step, bool o
                     bonded_positions_[3 * std::size_t{beads[i]} + axis];
             }
         }
-        const std::vector<std::int64_t>* impulses =
-            charges_->compute(state.box, positions, bonded_request(false, 0).scale, step,
-                              observe ? charge_totals_ : nullptr);
+        const std::vector<std::int64_t>* impulses = charges_->compute(
+            state.box, positions, bonded_request(false, 0).scale, step, observe ? charge_totals_ : nullptr);
         charges_stop_ = impulses == nullptr;
         for (std::size_t i = 0; impulses != nullptr && i < beads.size(); ++i) {
             for (std::size_t axis = 0; axis < 3; ++axis) {

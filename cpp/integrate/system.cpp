@@ -43,7 +43,6 @@ void System::choose_path() {
     }
     path_chosen_ = true;
     refusal_ = settings.precision == Precision::reference ? "the precision is reference"
-               : forces.charges() != nullptr              ? "there are charges"
                : forces.has_exclusions()
                    ? "bonded beads have no pair forces (keys without a leading '-')"
                    : fast::refusal(state.box, state.particles, forces.pairs().table(), settings, forces.has_fields());
@@ -52,6 +51,9 @@ void System::choose_path() {
                                   settings.precision == Precision::mixed, cell_width_);
         if (forces.bonded() != nullptr) {
             fluid_->set_bonded(*forces.bonded(), forces.bonded_totals(), state.particles.species);
+        }
+        if (forces.charges() != nullptr) {
+            fluid_->set_charges(*forces.charges(), forces.charge_totals());
         }
     }
 }
