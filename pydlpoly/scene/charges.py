@@ -21,6 +21,8 @@ _MOST_IMAGES = 30_000
 # Points of a mesh, or half of the plain sum's vectors, that fit into memory.
 _MOST_POINTS = 2**27
 _MOST_SPLINES = 20
+# Precisions above this mean nothing.
+_COARSEST = 0.1
 # Where smeared charges differ so much from 1/r at the cutoff, a note says so.
 _SEEN = 1e-3
 
@@ -204,9 +206,7 @@ def _shape(settings: Settings, method: str, cutoff: float, notes: Notes) -> tupl
     energies, _ = _core.evaluate_charge("pairwise", shape, length, numbers, [cutoff])
     missing = abs(1.0 - float(energies[0]) * cutoff)
     if missing > _SEEN:
-        text = (
-            f"at the cutoff {cutoff:g} the interaction of smeared charges is still {missing:.2g} of itself away "
-        )
+        text = f"at the cutoff {cutoff:g} the interaction of smeared charges is still {missing:.2g} of itself away "
         notes.choice(f"{text}from that of points: the force jumps there; a longer cutoff makes the jump smaller", where)
     return shape, length, f"{description}, L = {length:.9g} [{where}]"
 
@@ -242,27 +242,42 @@ def _damping(settings: Settings, cutoff: float) -> tuple[float, list[str]]:
             raise settings.refusal("coul_damping", f"must not be negative, but is {damping:g}")
         return damping, [f"damping alpha = {damping:.9g} [{settings.where('coul_damping')}]"]
     if precision:
-        alpha = _alpha_of(settings, "coul_precision", precision, cutoff)[0]
+        alpha = _alpha_of(settings, "coul_precision", precision, cutoff)
         where = settings.where("coul_precision")
         return alpha, [f"damping alpha = {alpha:.9g}, for a precision of {precision:g} [{where}]"]
     return 0.0, ["not damped"]
 
 
-def _alpha_of(settings: Settings, keyword: str, precision: float, cutoff: float) -> tuple[float, float]:
-    """Return DL_POLY's α for a precision, and how far reciprocal vectors must reach: k/2α."""
+def _alpha_of(settings: Settings, keyword: str, precision: float, cutoff: float) -> float:
+    """Return DL_POLY's α for a precision."""
     product = abs(precision) * cutoff
-    if 0.0 < product < 1.0 and math.isfinite(precision):
-        tolerance = math.sqrt(-math.log(product))
-        argument = product * tolerance
+    if 0.0 < product < 1.0 and precision <= _COARSEST:
+        argument = product * math.sqrt(-math.log(product))
         if argument < 1.0:
-            alpha = math.sqrt(-math.log(argument)) / cutoff
-            reach = product * (2.0 * tolerance * alpha) ** 2
-            if alpha > 0.0 and reach < 1.0:
-                return alpha, math.sqrt(-math.log(reach))
-    message = (
-        f"the precision {precision:g} gives no alpha with the cutoff {cutoff:g}: their product must be well "
-    )
-    raise settings.refusal(keyword, message + "below 1; give spme_alpha and spme_kvec instead, or another precision")
+            return math.sqrt(-math.log(argument)) / cutoff
+    message = f"the precision {precision:g} gives no alpha with the cutoff {cutoff:g}: it must lie above 0 and up to "
+    message += f"{_COARSEST:g}, and its product with the cutoff well below 1"
+    raise settings.refusal(keyword, message)
+
+
+def _vectors(length: float, alpha: float, precision: float) -> int:
+    """Return how many vectors along an axis reach to where e^(−k²/4α²) is the precision."""
+    return max(1, math.ceil(length * alpha / math.pi * math.sqrt(-math.log(precision))))
+
+
+def _mesh_points(length: float, alpha: float, precision: float, order: int) -> int:
+    """Return the points along an axis for which neither the mesh's end nor its splines lose more than the precision.
+
+    Splines of order p take the wave of n periods on K points for that of n − K with a weight of about (n/(K − n))^p.
+    """
+    points = _good_size(max(order, 2 * _vectors(length, alpha, precision)))
+    while points < _MOST_POINTS:
+        waves = np.arange(1, points // 2 + 1)
+        fade = np.exp(-((math.pi / (alpha * length) * waves) ** 2))
+        if float((2.0 * fade * (waves / (points - waves)) ** order).max()) <= precision:
+            break
+        points = _good_size(points + 1)
+    return points
 
 
 def _ewald(
@@ -287,9 +302,13 @@ def _ewald(
         where = f"[{settings.where('spme_kvec')}]"
     else:
         precision = settings.number("spme_precision")
-        alpha, reach = _alpha_of(settings, "spme_precision", precision, cutoff)
+        alpha = _alpha_of(settings, "spme_precision", precision, cutoff)
         lengths = np.linalg.norm(cell, axis=1).tolist()
-        wanted = tuple(2 * max(1, round(0.25 + length * alpha * reach / math.pi)) for length in lengths)
+        if method == "ewald_direct":
+            wanted = tuple(2 * _vectors(length, alpha, precision) for length in lengths)
+        else:
+            order = _order(settings, notes)
+            wanted = tuple(_mesh_points(length, alpha, precision, order) for length in lengths)
         origin = f"alpha = {alpha:.9g}, for a precision of {precision:g} [{settings.where('spme_precision')}]"
         where = "for the same precision"
     if math.prod(wanted) > _MOST_POINTS:

@@ -294,9 +294,7 @@ def _electrostatics(scene: Scene) -> list[str]:
         *given.origins,
     ]
     if frozen:
-        texts.append(
-            f"{frozen} of the charged beads are frozen; what acts between them is in no energy or pressure"
-        )
+        texts.append(f"{frozen} of the charged beads are frozen; what acts between them is in no energy or pressure")
     return [line for text in texts for line in _wrap(text)]
 
 
