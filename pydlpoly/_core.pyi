@@ -14,6 +14,8 @@ __all__: list[str] = [
     "Barostat",
     "BondedTerms",
     "CellMotion",
+    "ChargeNumbers",
+    "ChargeSettings",
     "Order",
     "PairTable",
     "Precision",
@@ -21,7 +23,10 @@ __all__: list[str] = [
     "System",
     "TemperatureSchedule",
     "bonded_laws",
+    "charge_methods",
+    "charge_shapes",
     "evaluate_bonded",
+    "evaluate_charge",
     "evaluate_pair",
     "has_threads",
     "mix",
@@ -66,6 +71,53 @@ class BondedTerms:
         """
         Where tethers hold their beads, (N, 3).
         """
+
+class ChargeNumbers:
+    """
+    What Coulomb methods are made from; see cpp/charge.
+    """
+    def __init__(self) -> None: ...
+    @property
+    def alpha(self) -> float: ...
+    @alpha.setter
+    def alpha(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def cutoff(self) -> float: ...
+    @cutoff.setter
+    def cutoff(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def permittivity(self) -> float: ...
+    @permittivity.setter
+    def permittivity(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class ChargeSettings:
+    """
+    The electrostatics of a scene; see cpp/charge/charge_forces.hpp.
+    """
+
+    method: str
+    numbers: ChargeNumbers
+    shape: str
+    def __init__(self) -> None: ...
+    @property
+    def counts(self) -> typing.Annotated[list[int], "FixedSize(3)"]: ...
+    @counts.setter
+    def counts(
+        self,
+        arg0: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"],
+    ) -> None: ...
+    @property
+    def length(self) -> float: ...
+    @length.setter
+    def length(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def order(self) -> int: ...
+    @order.setter
+    def order(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def strength(self) -> float: ...
+    @strength.setter
+    def strength(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
 
 class PairTable:
     """
@@ -539,6 +591,13 @@ class System:
     @property
     def cell_counts(self) -> typing.Annotated[list[int], "FixedSize(3)"]: ...
     @property
+    def charge_energy(self) -> float: ...
+    @property
+    def charge_virial_tensor(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]:
+        """
+        Σ F_a r_b of the electrostatics.
+        """
+    @property
     def conservative_virial_tensor(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]: ...
     @property
     def constraint_deviation(self) -> float:
@@ -623,6 +682,16 @@ def bonded_laws() -> list[dict[str, typing.Any]]:
     Every bonded law: kind, keys, parameter names and what the scene must know about it.
     """
 
+def charge_methods() -> list[dict[str, typing.Any]]:
+    """
+    Every Coulomb method: name, description, whether it sums over reciprocal vectors and knows smeared charges.
+    """
+
+def charge_shapes() -> list[dict[str, typing.Any]]:
+    """
+    Every shape of charges: name, description, whether charges may coincide.
+    """
+
 def evaluate_bonded(
     kind: str,
     key: str,
@@ -632,6 +701,18 @@ def evaluate_bonded(
     """
     Energies (n,) and derivatives (n, k) of a law at the coordinates (n, k): a length or an angle, or for angles
     the angle and both distances from the vertex. Angles in radians. Raises ValueError naming a bad parameter.
+    """
+
+def evaluate_charge(
+    method: str,
+    shape: str,
+    length: typing.SupportsFloat | typing.SupportsIndex,
+    numbers: ChargeNumbers,
+    distances: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+    """
+    u(r) and -u'(r)/r, (n,) each, of two unit charges as they act within the cutoff; of Ewald's sum the part of
+    the pairs. Raises ValueError for unknown names and numbers without meaning.
     """
 
 def evaluate_pair(

@@ -33,7 +33,7 @@ from pydlpoly.simulation import Observation, Simulation
 from pydlpoly.stress_profile import StressProfile
 from pydlpoly.temperatures import EnergyDrift, TemperatureSamples
 
-_TENSORS = ("kinetic", "conservative", "drag", "noise", "bonded")
+_TENSORS = ("kinetic", "conservative", "drag", "noise", "bonded", "charge")
 
 
 def _parts_of(scene: Scene) -> tuple[str, ...]:
@@ -89,6 +89,7 @@ def _statistics_record(simulation: Simulation, seen: Observation) -> StatisticsR
         temperature=seen.temperature,
         configurational_energy=seen.energy["potential"] / units.factor,
         short_range_energy=seen.energy["pair"] / units.factor,
+        electrostatic_energy=seen.energy["charge"] / units.factor,
         bond_energy=seen.energy["bond"] / units.factor,
         angle_energy=seen.energy["angle"] / units.factor,
         dihedral_energy=(seen.energy["dihedral"] + seen.energy["inversion"]) / units.factor,
@@ -96,6 +97,7 @@ def _statistics_record(simulation: Simulation, seen: Observation) -> StatisticsR
         enthalpy=(seen.energy["total"] + target * seen.volume) / units.factor,
         virial=seen.virial / units.factor,
         short_range_virial=seen.pair_virial / units.factor,
+        electrostatic_virial=seen.charge_virial / units.factor,
         bond_virial=seen.bonded_virial["bond"] / units.factor,
         angle_virial=seen.bonded_virial["angle"] / units.factor,
         constraint_virial=seen.constraint_virial / units.factor,
@@ -364,6 +366,8 @@ class OutputReporter:
         mean, spread = self._averages.mean(), self._averages.fluctuations()
         columns = self._columns
         tensors = mean[columns:].reshape(-1, 3, 3)
+        parts = {"bonded": scene.bonded, "charge": scene.electrostatics}
+        absent = [name for name, part in parts.items() if part is None]
         elapsed = clock.perf_counter() - self._begin
         covered = self._span[1] - self._span[0]
         doubt = self._temperatures.doubt()
@@ -378,9 +382,7 @@ class OutputReporter:
             averages=mean[:columns],
             fluctuations=spread[:columns],
             pressure_parts={
-                name: tensor
-                for name, tensor in zip(_parts_of(scene), tensors, strict=True)
-                if name != "bonded" or scene.bonded is not None
+                name: tensor for name, tensor in zip(_parts_of(scene), tensors, strict=True) if name not in absent
             },
             diffusion=_diffusion(simulation),
             warnings=[*warnings, *doubts],

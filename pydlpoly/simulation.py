@@ -66,18 +66,19 @@ class Observation:
     pressure in katm; in scenes with ``units dpd`` both are reduced (k_B = 1).
 
     Attributes:
-        energy: by component: "pair", "bond", "angle", "dihedral", "inversion", "tether", "field" (of external fields
-            and walls), "potential" (all of these), "kinetic", "total" (potential and kinetic) and "thermostat" (what
-            hoover's variable holds; its sum with total is conserved. With npt and nst what the piston holds, and P V of
-            the target).
+        energy: by component: "pair", "bond", "angle", "dihedral", "inversion", "tether", "charge", "field" (of external
+            fields and walls), "potential" (all of these), "kinetic", "total" (potential and kinetic) and "thermostat"
+            (what hoover's variable holds; its sum with total is conserved. With npt and nst what the piston holds, and
+            P V of the target).
         stress: (3, 3) pressure tensor in the pressure unit, all parts.
-        stress_parts: the same by part: "kinetic", "conservative" (pairs), "drag", "noise", "bonded", and
+        stress_parts: the same by part: "kinetic", "conservative" (pairs), "drag", "noise", "bonded", "charge", and
             "constraint" where distances are fixed.
         virial: −Σ r·F of all forces; ``pair_virial``: of the conservative pair forces alone.
         momentum: (3,) total momentum in Da Å/ps; in a sheared cell it, the temperature and the kinetic stress are of
             velocities relative to the flow.
         bonded_virial: −Σ r·F by component: "bond", "angle", "dihedral", "inversion", "tether".
         constraint_virial: −Σ r·F of the forces that keep distances fixed.
+        charge_virial: −Σ r·F of the electrostatics.
     """
 
     step: int
@@ -92,19 +93,19 @@ class Observation:
     volume: float
     momentum: FloatArray
     bonded_virial: dict[str, float]
+    charge_virial: float
     constraint_virial: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class SinglePoint:
-    """Energy, forces and stress of a scene's configuration, pair laws, bonded terms and external fields only.
+    """Energy, forces and stress of a scene's configuration: pair laws, bonded terms, charges and external fields.
 
     The forces that keep distances fixed are not among them: they depend on velocities.
 
     Attributes:
         energy: by component, internal units: "pair" (with the long-range correction and scaled 1-4 pairs), "bond",
-            "angle", "dihedral", "inversion", "tether", "charge" (0: charges are not modelled), "field" (external fields
-            and walls) and "total".
+            "angle", "dihedral", "inversion", "tether", "charge", "field" (external fields and walls) and "total".
         forces: (N, 3), Da Å/ps²; frozen beads feel none.
         stress: (3, 3) configurational pressure tensor Σ F_a r_b / V, internal pressure (Da/(Å ps²)); a repulsion is
             positive.
@@ -390,7 +391,7 @@ class Simulation:
         """Return Σ|∇U|² and Σ∇²U over the mobile beads at the present positions, internal units.
 
         The ratio of their averages over a run is k_B times the configurational temperature, which shows the error of a
-        timestep that the kinetic temperature hides. ∇U is of pair laws, bonded terms and external fields; the second
+        timestep that the kinetic temperature hides. ∇U is of all conservative forces; the second
         derivatives are differences of forces, exact to about 1e-9.
         """
         if self._configurational is None or self._configurational[0] != self.step:
@@ -526,6 +527,8 @@ class Simulation:
             volume=float(arrays["totals.volume"]),
             bonded_energies=arrays["totals.bonded_energies"],
             bonded=arrays["totals.bonded"],
+            charge_energy=float(arrays.get("totals.charge_energy", 0.0)),  # checkpoints of before charges have none
+            charge=arrays.get("totals.charge", np.zeros((3, 3))),
             thermostat_energy=float(arrays["totals.thermostat_energy"]),
             constraint=arrays.get("totals.constraint", np.zeros((3, 3))),
             field_energy=float(arrays.get("totals.field_energy", 0.0)),
@@ -557,11 +560,12 @@ def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Obse
         "drag": totals.drag,
         "noise": totals.noise,
         "bonded": np.sum(totals.bonded, axis=0),
+        "charge": totals.charge,
     }
     if scene.constraints is not None:
         parts["constraint"] = totals.constraint
     bonded = dict(zip(get_args(BondedKind), totals.bonded_energies.tolist(), strict=True))
-    potential = totals.pair_energy + sum(bonded.values()) + totals.field_energy
+    potential = totals.pair_energy + sum(bonded.values()) + totals.charge_energy + totals.field_energy
     factor = scene.units.pressure_factor / totals.volume
     stress_parts = {name: tensor * factor for name, tensor in parts.items()}
     stress = np.sum(list(stress_parts.values()), axis=0)
@@ -573,6 +577,7 @@ def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Obse
         energy={
             "pair": totals.pair_energy,
             **bonded,
+            "charge": totals.charge_energy,
             "field": totals.field_energy,
             "potential": potential,
             "kinetic": kinetic,
@@ -583,7 +588,7 @@ def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Obse
         pressure=float(np.trace(stress)) / 3.0,
         stress=stress,
         stress_parts=stress_parts,
-        virial=-float(np.trace(totals.conservative + totals.drag + totals.noise + parts["bonded"] + totals.constraint)),
+        virial=-sum(float(np.trace(tensor)) for name, tensor in parts.items() if name != "kinetic"),
         pair_virial=-float(np.trace(totals.conservative)),
         volume=totals.volume,
         momentum=totals.momentum,
@@ -591,6 +596,7 @@ def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Obse
             kind: -float(np.trace(tensor)) for kind, tensor in zip(get_args(BondedKind), totals.bonded, strict=True)
         },
         constraint_virial=-float(np.trace(totals.constraint)),
+        charge_virial=-float(np.trace(totals.charge)),
     )
 
 
@@ -608,14 +614,14 @@ def single_point(scene: Scene, *, threads: int | None = None) -> SinglePoint:
     engine.initialise()
     totals = engine.totals()
     bonded = dict(zip(get_args(BondedKind), totals.bonded_energies.tolist(), strict=True))
-    virial = totals.conservative + np.sum(totals.bonded, axis=0)
+    virial = totals.conservative + np.sum(totals.bonded, axis=0) + totals.charge
     return SinglePoint(
         energy={
             "pair": totals.pair_energy,
             **bonded,
-            "charge": 0.0,
+            "charge": totals.charge_energy,
             "field": totals.field_energy,
-            "total": totals.pair_energy + sum(bonded.values()) + totals.field_energy,
+            "total": totals.pair_energy + sum(bonded.values()) + totals.charge_energy + totals.field_energy,
         },
         forces=np.asarray(engine.system.forces),
         stress=virial / totals.volume,

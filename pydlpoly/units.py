@@ -353,3 +353,31 @@ def time_to_steps(time: float, timestep: float) -> int:
 def steps_to_time(steps: float, timestep: float) -> float:
     """Return the time in ps that a number of steps takes."""
     return steps * timestep
+
+
+def galamost_charge(valence: float, bjerrum_length: float, *, thermal_energy: float = 1.0) -> float:
+    """Return the reduced charge q* = z √(λ_B k_B T) that GALAMOST, PyGAMD and LAMMPS (units lj) take.
+
+    They set 1/(4π ε₀ ε_r) to 1, so that two charges at distance r have the energy q*_i q*_j/r.
+
+    Args:
+        valence: charge z in e.
+        bjerrum_length: λ_B = e²/(4π ε₀ ε_r k_B T), in the unit of length.
+        thermal_energy: k_B T in the unit of energy.
+    """
+    return valence * math.sqrt(bjerrum_length * thermal_energy)
+
+
+def valence_of_galamost_charge(charge: float, bjerrum_length: float, *, thermal_energy: float = 1.0) -> float:
+    """Return z in e for a reduced charge q*, the inverse of ``galamost_charge``."""
+    return charge / math.sqrt(bjerrum_length * thermal_energy)
+
+
+def bjerrum_length_of_coupling(coupling: float) -> float:
+    """Return λ_B in units of r_c for Γ = e²/(k_B T ε₀ ε_r r_c) = 4π λ_B/r_c (Groot, J. Chem. Phys. 118 (2003))."""
+    return coupling / (4.0 * math.pi)
+
+
+def coupling_of_bjerrum_length(bjerrum_length: float) -> float:
+    """Return Γ = 4π λ_B/r_c for λ_B in units of r_c."""
+    return 4.0 * math.pi * bjerrum_length

@@ -33,10 +33,13 @@ def molecule_text(
     copies: int = 1,
     frozen: Sequence[int] = (),
     masses: Mapping[str, float] | None = None,
+    charges: Sequence[float] = (),
 ) -> str:
     """One molecule type of FIELD: beads by name, of mass 1 unless given, and the lines of its blocks."""
     lines = ["chain", f"nummols {copies}", f"atoms {len(names)}"]
-    lines += [f"{name} {(masses or {}).get(name, 1.0)!r} 0.0 1 {int(k in frozen)}" for k, name in enumerate(names)]
+    for k, name in enumerate(names):
+        charge = charges[k] if charges else 0.0
+        lines.append(f"{name} {(masses or {}).get(name, 1.0)!r} {charge} 1 {int(k in frozen)}")
     for directive, rows in blocks.items():
         lines += [f"{directive} {len(rows)}", *rows]
     return "\n".join([*lines, "finish"])
@@ -54,6 +57,7 @@ def molecule_scene(
     control: Mapping[str, str | None] | None = None,
     units: str = "dpd",
     frozen: Sequence[int] = (),
+    charges: Sequence[float] = (),
     velocities: ArrayLike | None = None,
     files: Mapping[str, str] | None = None,
     masses: Mapping[str, float] | None = None,
@@ -67,6 +71,7 @@ def molecule_scene(
         positions: (copies · len(names), 3).
         copies, pairs, cell, imcon, control, units: as in ``make_scene``.
         frozen: beads of a molecule, counted from 0, that never move.
+        charges: of the beads of a molecule, by default none.
         velocities: (N, 3); given ones are kept as they are.
         files: further files by name, for tables.
         masses: by species, 1 unless given.
@@ -74,7 +79,7 @@ def molecule_scene(
     """
     vdw = [f"vdw {len(pairs)}", *pairs] if pairs else []
     field = ["extern", extern] if extern else []
-    molecule = molecule_text(names, blocks, copies, frozen, masses)
+    molecule = molecule_text(names, blocks, copies, frozen, masses, charges)
     text = "\n".join(["test field", f"units {units}", "molecules 1", molecule, *vdw, *field, "close", ""])
     places: FloatArray = np.asarray(positions, dtype=np.float64)
     configuration = Configuration(

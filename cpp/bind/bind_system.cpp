@@ -301,6 +301,22 @@ void bind_system(py::module_& m) {
             "Takes pairs of beads whose distances stay fixed.")
         .def("meet_constraints", &System::meet_constraints, py::call_guard<py::gil_scoped_release>(),
              "Brings positions to the lengths of constraints, and takes out of velocities what would change them.")
+        .def(
+            "set_charges",
+            [](System& s, const std::vector<double>& charges, const ChargeSettings& settings,
+               const std::vector<std::pair<std::uint32_t, std::uint32_t>>& excluded,
+               const std::vector<std::pair<std::uint32_t, std::uint32_t>>& scaled, const std::vector<double>& scales) {
+                require(charges.size() == static_cast<std::size_t>(s.state.particles.count()),
+                        "there must be one charge a bead");
+                require(scaled.size() == scales.size(), "there must be one factor a scaled pair");
+                std::vector<ChargeForces::ScaledPair> pairs;
+                for (std::size_t k = 0; k < scaled.size(); ++k) {
+                    pairs.push_back({scaled[k].first, scaled[k].second, scales[k]});
+                }
+                s.set_charges(ChargeForces(charges, s.state.particles.frozen, settings, excluded, pairs));
+            },
+            py::arg("charges"), py::arg("settings"), py::arg("excluded"), py::arg("scaled"), py::arg("scales"),
+            "Adds electrostatics: charges (N,) in e, pairs without it, and pairs that feel it times a factor.")
         .def("initialise", &System::initialise, py::call_guard<py::gil_scoped_release>(),
              "Computes and observes the forces of the present state.")
         .def("plan", &System::plan, "How steps are computed: the fast path, or the general one and why.")
@@ -402,6 +418,10 @@ void bind_system(py::module_& m) {
                 return std::vector<Matrix3>(virial.begin(), virial.begin() + bonded::kinds);
             },
             "Σ F_a r_b of bonds, angles, dihedrals, inversions and tethers.")
+        .def_property_readonly("charge_energy", [](const System& s) { return s.forces.charge_totals().energy; })
+        .def_property_readonly(
+            "charge_virial_tensor", [](const System& s) { return s.forces.charge_totals().virial; },
+            "Σ F_a r_b of the electrostatics.")
         .def_property_readonly(
             "constraint_virial_tensor",
             [](const System& s) -> Matrix3 {

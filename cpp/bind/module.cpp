@@ -9,6 +9,7 @@ PYBIND11_MODULE(_core, m) {
     dlpoly::bind::bind_errors(m);
     dlpoly::bind::bind_pair(m);
     dlpoly::bind::bind_bonded(m);
+    dlpoly::bind::bind_charge(m);
     dlpoly::bind::bind_random(m);
     dlpoly::bind::bind_system(m);
 }

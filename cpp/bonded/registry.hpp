@@ -20,6 +20,7 @@
 #include "bonded/angle_vessal_first.hpp"
 #include "bonded/angle_vessal_second.hpp"
 #include "bonded/bond_buckingham.hpp"
+#include "bonded/bond_coulomb.hpp"
 #include "bonded/bond_fene.hpp"
 #include "bonded/bond_harmonic.hpp"
 #include "bonded/bond_lennard_jones.hpp"
@@ -51,14 +52,15 @@ namespace dlpoly::bonded {
 template <class... Types>
 struct TypeList {};
 
-using Laws = TypeList<HarmonicBond, MorseBond, TwelveSixBond, LennardJonesBond, RestrainedBond, QuarticBond,
-                      BuckinghamBond, FeneBond, Mm3Bond, HarmonicAngle, QuarticAngle, TruncatedAngle, ScreenedAngle,
-                      FirstVessalAngle, SecondVessalAngle, HarmonicCosineAngle, CosineAngle, StretchBendMm3Angle,
-                      StretchStretchAngle, StretchBendAngle, CompassAngle, Mm3Angle, KumagaiAngle, CosineDihedral,
-                      HarmonicDihedral, HarmonicCosineDihedral, TripleCosineDihedral, RyckaertBellemansDihedral,
-                      FluorinatedRyckaertDihedral, OplsDihedral, HarmonicInversion, HarmonicCosineInversion,
-                      PlanarInversion, ExtendedPlanarInversion, CalciteInversion, HarmonicTether, RestrainedTether,
-                      QuarticTether, TabulatedBond, TabulatedAngle, TabulatedDihedral, TabulatedInversion>;
+using Laws =
+    TypeList<HarmonicBond, MorseBond, TwelveSixBond, LennardJonesBond, RestrainedBond, QuarticBond, BuckinghamBond,
+             CoulombBond, FeneBond, Mm3Bond, HarmonicAngle, QuarticAngle, TruncatedAngle, ScreenedAngle,
+             FirstVessalAngle, SecondVessalAngle, HarmonicCosineAngle, CosineAngle, StretchBendMm3Angle,
+             StretchStretchAngle, StretchBendAngle, CompassAngle, Mm3Angle, KumagaiAngle, CosineDihedral,
+             HarmonicDihedral, HarmonicCosineDihedral, TripleCosineDihedral, RyckaertBellemansDihedral,
+             FluorinatedRyckaertDihedral, OplsDihedral, HarmonicInversion, HarmonicCosineInversion, PlanarInversion,
+             ExtendedPlanarInversion, CalciteInversion, HarmonicTether, RestrainedTether, QuarticTether, TabulatedBond,
+             TabulatedAngle, TabulatedDihedral, TabulatedInversion>;
 
 // Calls f.template operator()<Law>() for every law, in the order of the list.
 template <class Function>

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <limits>
 #include <new>
 #include <stdexcept>
@@ -104,6 +105,7 @@ class FluidOf final : public Fluid {
     }
 
     void set_bonded(BondedForces& terms, BondedTotals& totals, std::vector<std::int32_t> species) override;
+    void set_charges(ChargeForces& charges, ChargeTotals& totals) override;
     void start(State& state, const StepSettings& settings, PairTotals& totals) override;
     void run(State& state, const StepSettings& settings, std::uint64_t steps, PairTotals& totals) override;
 
@@ -167,7 +169,9 @@ class FluidOf final : public Fluid {
 
     [[nodiscard]] bonded::Request bonded_request(bool observe, int energy_exponent) const;
     void observe_bonded(const State& state);
+    void make_room(std::uint32_t end);
     void place_bonded(const Record& bead);
+    bool add_charges(const State& state, std::uint64_t step, bool observe);
     bool add_bonded_terms(const State& state, std::size_t part, bool observe);
     [[nodiscard]] bool bonded_overflow() const;
     double axis_unit(Eigen::Index axis) const { return momentum_unit_ * edges_[axis] / longest_; }
@@ -205,6 +209,11 @@ class FluidOf final : public Fluid {
     std::vector<double> bonded_positions_;       // 3 a bead, by id
     std::vector<std::int64_t> bonded_impulses_;  // 3 a bead, by id, zeros between steps
     std::vector<bonded::Worker> bonded_workers_;
+    ChargeForces* charges_ = nullptr;
+    ChargeTotals* charge_totals_ = nullptr;
+    std::uint32_t placed_end_ = 0;  // beads below it have a place in bonded_positions_; 0: no need of any
+    std::atomic<bool> charges_stop_{false};
+    std::exception_ptr charge_failure_;
     double momentum_unit_ = 0.0;  // along the longest edge
     double longest_ = 0.0;
     double timestep_;
@@ -466,7 +475,7 @@ void FluidOf<Record>::sort_part(std::size_t part, bool forces_follow) {
                         held_.data() + 4 * static_cast<std::size_t>(place));
         }
         cast_shadow(from[i], place);
-        if (bonded_ != nullptr && forces_follow) {
+        if (placed_end_ > 0 && forces_follow) {
             place_bonded(from[i]);
         }
     }
@@ -645,8 +654,8 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
         }
         PassArguments<Record> a = arguments(state);
         a.observed = observed_.data();
-        a.bonded = bonded_ != nullptr ? bonded_impulses_.data() : nullptr;
-        a.bonded_end = bonded_ != nullptr ? bonded_->bead_end() : 0;
+        a.bonded = placed_end_ > 0 ? bonded_impulses_.data() : nullptr;
+        a.bonded_end = placed_end_;
         AlignedArray<std::uint8_t> workspace(workspace_bytes);
         a.workspace = workspace.data();
         for (std::uint64_t k = 1; k <= steps; ++k) {
@@ -655,6 +664,9 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
             }
             sort_all(part, parts, true);
             if (bonded_ != nullptr && !add_bonded_terms(state, part, k == steps)) {
+                break;
+            }
+            if (charges_ != nullptr && !add_charges(state, state.step + k, k == steps)) {
                 break;
             }
             const auto [begin, end] = share(a, part, parts);
@@ -686,7 +698,10 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
         BondedForces::report(bonded_workers_, bonded::MinimumImage(state.box), state.step + steps);
         observe_bonded(state);
     }
-    if (overflow != 0 || bonded_overflow()) {
+    if (charge_failure_) {
+        std::rethrow_exception(std::exchange(charge_failure_, nullptr));
+    }
+    if (overflow != 0 || bonded_overflow() || charges_stop_) {
         stop(state, lost != 0 ? lost.load() : steps, steps);
     }
     observe_totals(totals);
@@ -753,8 +768,53 @@ void FluidOf<Record>::set_bonded(BondedForces& terms, BondedTotals& totals, std:
     bonded_ = &terms;
     bonded_totals_ = &totals;
     species_ = std::move(species);
-    bonded_positions_.assign(3 * std::size_t{terms.bead_end()}, 0.0);
-    bonded_impulses_.assign(3 * std::size_t{terms.bead_end()}, 0);
+    make_room(terms.bead_end());
+}
+
+template <class Record>
+void FluidOf<Record>::set_charges(ChargeForces& charges, ChargeTotals& totals) {
+    charges_ = &charges;
+    charge_totals_ = &totals;
+    make_room(charges.charges().beads.back() + 1);
+}
+
+template <class Record>
+void FluidOf<Record>::make_room(std::uint32_t end) {
+    placed_end_ = std::max(placed_end_, end);
+    bonded_positions_.assign(3 * std::size_t{placed_end_}, 0.0);
+    bonded_impulses_.assign(3 * std::size_t{placed_end_}, 0);
+}
+
+// Called by all threads together; false in all of them when the forces cannot be computed. One thread computes them:
+// the charges are few among the beads.
+template <class Record>
+bool FluidOf<Record>::add_charges(const State& state, std::uint64_t step, bool observe) {
+#ifdef _OPENMP
+#pragma omp barrier
+#pragma omp single
+#endif
+    try {
+        const std::vector<std::uint32_t>& beads = charges_->charges().beads;
+        Array3N positions(static_cast<Eigen::Index>(beads.size()), 3);
+        for (std::size_t i = 0; i < beads.size(); ++i) {
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                positions(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(axis)) =
+                    bonded_positions_[3 * std::size_t{beads[i]} + axis];
+            }
+        }
+        const std::vector<std::int64_t>* impulses = charges_->compute(
+            state.box, positions, bonded_request(false, 0).scale, step, observe ? charge_totals_ : nullptr);
+        charges_stop_ = impulses == nullptr;
+        for (std::size_t i = 0; impulses != nullptr && i < beads.size(); ++i) {
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                bonded_impulses_[3 * std::size_t{beads[i]} + axis] += (*impulses)[3 * i + axis];
+            }
+        }
+    } catch (...) {
+        charge_failure_ = std::current_exception();
+        charges_stop_ = true;
+    }
+    return !charges_stop_;
 }
 
 // Forces of bonded terms are rounded straight to impulses, so that they conserve momentum to the bit as pairs do.
@@ -772,7 +832,7 @@ bonded::Request FluidOf<Record>::bonded_request(bool observe, int energy_exponen
 template <class Record>
 void FluidOf<Record>::place_bonded(const Record& bead) {
     const std::size_t id = bead.tag & id_mask;
-    if (id >= bonded_->bead_end()) {
+    if (id >= placed_end_) {
         return;
     }
     constexpr int unused_bits = static_cast<int>(8 * sizeof(Fixed)) - Record::position_bits;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bonded/bonded_forces.hpp"
+#include "charge/charge_forces.hpp"
 #include "core/state.hpp"
 #include "fast/arguments.hpp"
 #include "forces/pair_forces.hpp"
@@ -37,6 +38,9 @@ class Fluid {
 
     // Bonded terms to be added in every step; their totals are written in observed ones. Both must outlive the fluid.
     virtual void set_bonded(BondedForces& terms, BondedTotals& totals, std::vector<std::int32_t> species) = 0;
+
+    // Electrostatics to be added in every step, and where the totals of observed ones go. Both must outlive the fluid.
+    virtual void set_charges(ChargeForces& charges, ChargeTotals& totals) = 0;
 
     // Computes and observes the forces of the present positions and velocities.
     virtual void start(State& state, const StepSettings& settings, PairTotals& totals) = 0;

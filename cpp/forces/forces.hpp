@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bonded/bonded_forces.hpp"
+#include "charge/charge_forces.hpp"
 #include "constraints/constraints.hpp"
 #include "external/external_field.hpp"
 #include "forces/pair_forces.hpp"
@@ -28,6 +29,7 @@ class Forces {
 
     // Forces of constraints are not among those that compute() writes: integrators meet them.
     void set_constraints(Constraints constraints) { constraints_ = std::move(constraints); }
+    void set_charges(ChargeForces charges) { charges_.emplace(std::move(charges)); }
 
     // Writes the total force on every bead; drag uses `velocity`. Totals are filled when the request observes.
     void compute(const Box& box, Particles& particles, const Array3N& velocity, const ForceRequest& request,
@@ -42,6 +44,9 @@ class Forces {
                 totals.energy += bonded_totals_.energy[bonded::scaled_pairs];
                 totals.conservative += bonded_totals_.virial[bonded::scaled_pairs];
             }
+        }
+        if (charges_) {
+            charges_->add_to(box, particles, request.step, request.observe ? &charge_totals_ : nullptr);
         }
         double field_energy = 0.0;
         for (const auto& field : fields_) {
@@ -61,8 +66,9 @@ class Forces {
 
     // Σ ∂²U/∂x² over the coordinates of all mobile beads.
     [[nodiscard]] double curvature(const Box& box, const Particles& particles) {
-        double sum =
-            pairs_.curvature(box, particles) + (bonded_ ? bonded_->curvature(box, particles, pairs_.table()) : 0.0);
+        double sum = pairs_.curvature(box, particles);
+        sum += bonded_ ? bonded_->curvature(box, particles, pairs_.table()) : 0.0;
+        sum += charges_ ? charges_->curvature(box, particles) : 0.0;
         for (const auto& field : fields_) {
             sum += field->curvature(particles);
         }
@@ -80,6 +86,11 @@ class Forces {
     // Of the last observed step.
     [[nodiscard]] BondedTotals& bonded_totals() noexcept { return bonded_totals_; }
     [[nodiscard]] const BondedTotals& bonded_totals() const noexcept { return bonded_totals_; }
+    // nullptr: no charges act.
+    [[nodiscard]] ChargeForces* charges() noexcept { return charges_ ? &*charges_ : nullptr; }
+    // Of the last observed step.
+    [[nodiscard]] ChargeTotals& charge_totals() noexcept { return charge_totals_; }
+    [[nodiscard]] const ChargeTotals& charge_totals() const noexcept { return charge_totals_; }
     [[nodiscard]] bool has_fields() const noexcept { return !fields_.empty(); }
     // Of the last observed step.
     [[nodiscard]] double field_energy() const noexcept { return field_energy_; }
@@ -89,6 +100,8 @@ class Forces {
     std::optional<BondedForces> bonded_;
     std::optional<Constraints> constraints_;
     BondedTotals bonded_totals_;
+    std::optional<ChargeForces> charges_;
+    ChargeTotals charge_totals_;
     std::vector<std::unique_ptr<ExternalField>> fields_;
     double field_energy_ = 0.0;
 };

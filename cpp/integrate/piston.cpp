@@ -84,6 +84,7 @@ void push_piston(State& state, const Forces& forces, const PairTotals& totals, c
     for (std::size_t kind = 0; kind < bonded::kinds; ++kind) {
         force += forces.bonded_totals().virial[kind].diagonal();
     }
+    force += forces.charge_totals().virial.diagonal();
     force.array() -= barostat.tail / (3.0 * volume);
     const double pull = barostat.tension * volume / state.box.cell()(2, 2);
     for (Eigen::Index axis = 0; axis < 3; ++axis) {

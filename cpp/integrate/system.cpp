@@ -63,6 +63,13 @@ void System::set_flight(std::shared_ptr<const Flight> flight) {
     ready = false;
 }
 
+void System::set_charges(ChargeForces charges) {
+    forces.set_charges(std::move(charges));
+    path_chosen_ = false;
+    fluid_.reset();
+    ready = false;
+}
+
 void System::choose_path() {
     if (path_chosen_) {
         return;
@@ -78,6 +85,9 @@ void System::choose_path() {
                                   settings.precision == Precision::mixed, cell_width_);
         if (forces.bonded() != nullptr) {
             fluid_->set_bonded(*forces.bonded(), forces.bonded_totals(), state.particles.species);
+        }
+        if (forces.charges() != nullptr) {
+            fluid_->set_charges(*forces.charges(), forces.charge_totals());
         }
     }
 }

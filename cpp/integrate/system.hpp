@@ -43,6 +43,8 @@ class System {
     // std::invalid_argument where something does already.
     void add_field(std::unique_ptr<ExternalField> field);
     void set_flight(std::shared_ptr<const Flight> flight);
+    // Takes the electrostatics.
+    void set_charges(ChargeForces charges);
 
     // How steps are computed: "fast", or why not in words.
     [[nodiscard]] std::string plan();

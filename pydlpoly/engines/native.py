@@ -19,7 +19,7 @@ from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.explain import PLANS
 from pydlpoly.scene.external import ON_CHARGES
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
-from pydlpoly.scene.model import Barostat, Bonded, BondedTerm, PairTerm, Scene, Walls
+from pydlpoly.scene.model import Barostat, Bonded, BondedTerm, Electrostatics, PairTerm, Scene, Walls
 
 _PRECISIONS = {
     "double": _core.Precision.double_precision,
@@ -43,6 +43,7 @@ class Totals:
         momentum: (3,) total momentum, Da Å/ps.
         constraint: (3, 3) Σ F_a r_b of the forces that keep the lengths of constraints.
         field_energy: of external fields that have one, internal energy.
+        charge_energy: of the electrostatics; ``charge``: (3, 3) its Σ F_a r_b.
         bonded_energies: (5,) of bonds, angles, dihedrals, inversions, tethers; ``bonded``: (5, 3, 3) their Σ F_a r_b.
     """
 
@@ -55,6 +56,8 @@ class Totals:
     volume: float
     bonded_energies: FloatArray
     bonded: FloatArray
+    charge_energy: float
+    charge: FloatArray
     thermostat_energy: float = 0.0
     constraint: FloatArray = dataclasses.field(default_factory=lambda: np.zeros((3, 3)))
     field_energy: float = 0.0
@@ -99,6 +102,8 @@ class NativeEngine:
             raise SceneError(str(error)) from error
         if scene.bonded is not None:
             self.system.set_bonded(_bonded_terms(scene, scene.bonded), scene.bonded.excluded.tolist())
+        if scene.electrostatics is not None:
+            self._set_charges(scene, scene.electrostatics)
         for term in scene.external:
             charges = beads.charge.tolist() if term.key in ON_CHARGES else []
             self.system.add_external_field(term.key, list(term.parameters), charges)
@@ -112,6 +117,22 @@ class NativeEngine:
             )
         if cell_width > 0.0:
             self.system.set_cell_width(cell_width)
+
+    def _set_charges(self, scene: Scene, given: Electrostatics) -> None:
+        numbers, settings = _core.ChargeNumbers(), _core.ChargeSettings()
+        numbers.cutoff, numbers.alpha, numbers.permittivity = given.cutoff, given.alpha, given.permittivity
+        settings.method, settings.shape, settings.length = given.method, given.shape, given.length
+        settings.strength, settings.counts, settings.order = given.strength, list(given.counts), given.order
+        settings.numbers = numbers
+        bonded = scene.bonded
+        excluded = bonded.excluded.tolist() if bonded is not None else []
+        scaled, scales = [], []
+        if bonded is not None and bonded.coulomb_scaled is not None and bonded.coulomb_scales is not None:
+            scaled, scales = bonded.coulomb_scaled.tolist(), bonded.coulomb_scales.tolist()
+        try:
+            self.system.set_charges(scene.beads.charge.tolist(), settings, excluded, scaled, scales)
+        except ValueError as error:
+            raise SceneError(str(error)) from error
 
     def start(self, scene: Scene) -> None:
         """Give the beads the velocities that the scene's start asks for, and compute the first forces."""
@@ -159,6 +180,8 @@ class NativeEngine:
             volume=system.volume,
             bonded_energies=np.array(system.bonded_energies),
             bonded=np.array(system.bonded_virial_tensors),
+            charge_energy=float(system.charge_energy),
+            charge=np.asarray(system.charge_virial_tensor),
             thermostat_energy=float(system.thermostat_energy),
             constraint=np.asarray(system.constraint_virial_tensor),
             field_energy=float(system.field_energy),

@@ -54,6 +54,7 @@ COLUMNS = (
             ("drag", "drag"),
             ("noise", "noise"),
             ("bonded", "bonded terms"),
+            ("charge", "electrostatics"),
         )
     ),
     *(Column(f"momentum_{axis}", "momentum", f"total momentum along {axis}", 16) for axis in "xyz"),

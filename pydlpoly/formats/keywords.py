@@ -95,7 +95,6 @@ def _option(
 _NOT_WRITTEN = "ignored: pydlpoly does not compute it; HISTORY holds what is needed to do so afterwards"
 _PARALLEL = "ignored: pydlpoly reads and writes files in one way only"
 _THERMOSTAT = "ignored: it acts only with thermostats that are refused"
-_COULOMB = "ignored: it acts only with a coul_method, which is refused"
 _MINIMISER = "ignored: it acts only with a minimisation_criterion, which is refused"
 _PSEUDO = "ignored: it acts only with a pseudo_thermostat_method, which is refused"
 _IMPACT = "refused: an impact on one particle"
@@ -108,7 +107,6 @@ _SHELLS = "ignored: a FIELD with core-shell units is refused"
 _CHECKPOINT = "ignored: the checkpoint has pydlpoly's own format"
 _METAL = "ignored: a FIELD with a metal block is refused"
 _OTHER_NVT = "refused: NVT by this thermostat"
-_ELECTROSTATICS = "refused: electrostatics"
 
 _RUN = (
     _option("simulation_method", "md evb ffs", "md", "what kind of simulation", "ignored: pydlpoly does md only",
@@ -243,22 +241,25 @@ _FORCES = (
             "functional", "off", "rule for pairs that FIELD does not give", old="vdw mixing rule"),
     _bool("vdw_force_shift", "off", "shift pair energies and forces to vanish at the cutoff", old="vdw shift"),
     _bool("vdw_long_range_correction", "on", "add the tails beyond the cutoff to energy and pressure"),
-    _option("coul_method", "off spme dddp pairwise reaction_field force_shifted", "off", "electrostatics",
-            old="ewald …, coul, distan, shift, reaction, no elec",
-            effects=dict.fromkeys(("spme", "dddp", "pairwise", "reaction_field", "force_shifted"), _ELECTROSTATICS)),
-    _float("coul_damping", "inverse length", "0.0 ang^-1", "Fennell's damping", _COULOMB, "shift damp f"),
-    _float("coul_precision", "number", "0.0", "precision that sets the damping", _COULOMB, "shift precision f"),
-    _float("coul_dielectric_constant", "number", "1.0", "relative permittivity", _COULOMB, "eps f"),
-    _float("coul_bjerrum_length", "length", "0.0 ang", "Bjerrum length", _COULOMB),
-    _bool("coul_extended_exclusion", "off", "exclude core-shell pairs further", _COULOMB, "exclude"),
-    _float("spme_precision", "number", "1e-6", "precision of the Ewald sum", _COULOMB, "ewald precision f [n]"),
-    _float("spme_alpha", "inverse length", "0.0 ang^-1", "width of the Ewald sum", _COULOMB, "ewald [sum] f i j k"),
-    _vector("spme_kvec", "integers", 3, "[ 0 0 0 ]", "reciprocal vectors", _COULOMB),
-    _float("spme_kvec_spacing", "inverse length", "0.0 ang^-1", "spacing of reciprocal vectors", _COULOMB),
-    _int("spme_nsplines", "8", "order of the splines", _COULOMB),
-    _string("charge_smearing_method", "", "shape of smeared charges", _COULOMB),
-    _float("charge_smearing_length", "length", "0.0 ang", "width of smeared charges", _COULOMB),
-    _string("charge_smearing_beta", "", "how the smearing length is meant", _COULOMB),
+    _option("coul_method", "off spme ewald_direct dddp pairwise reaction_field force_shifted", "off",
+            "electrostatics; ewald_direct is Ewald's sum without a mesh",
+            old="ewald …, coul, distan, shift, reaction, no elec"),
+    _float("coul_damping", "inverse length", "0.0 ang^-1", "Fennell's damping of reaction_field and force_shifted",
+           old="shift damp f"),
+    _float("coul_precision", "number", "0.0", "precision that sets the damping", old="shift precision f"),
+    _float("coul_dielectric_constant", "number", "1.0", "relative permittivity", old="eps f"),
+    _float("coul_bjerrum_length", "length", "0.0 ang", "Bjerrum length: strength of the electrostatics over k_B T"),
+    _float("coul_coupling", "number", "0.0", "4 pi times the Bjerrum length, with units dpd"),
+    _bool("coul_extended_exclusion", "off", "exclude core-shell pairs further", _SHELLS, "exclude"),
+    _float("spme_precision", "number", "1e-6", "precision of the Ewald sum", old="ewald precision f [n]"),
+    _float("spme_alpha", "inverse length", "0.0 ang^-1", "width of the Ewald sum", old="ewald [sum] f i j k"),
+    _vector("spme_kvec", "integers", 3, "[ 0 0 0 ]", "points of the mesh along each axis"),
+    _float("spme_kvec_spacing", "inverse length", "0.0 ang^-1", "spacing of reciprocal vectors",
+           "refused: DL_POLY's manual and code mean different numbers by it; give spme_kvec"),
+    _int("spme_nsplines", "8", "order of the splines"),
+    _string("charge_smearing_method", "", "shape of smeared charges"),
+    _float("charge_smearing_length", "length", "0.0 ang", "width of smeared charges"),
+    _string("charge_smearing_beta", "", "how the smearing length is meant: original, overlap, or beta itself"),
     _option("polarisation_model", "default charmm", "default", "polarisation", _SHELLS, "polarisation …"),
     _float("polarisation_thole", "number", "1.3", "Thole's damping", _SHELLS),
     _bool("metal_direct", "off", "metal forces without tables", _METAL, "metal direct"),

@@ -9,12 +9,10 @@ from numpy.typing import NDArray
 
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import Configuration, Field, FloatArray, Molecule
-from pydlpoly.scene.settings import Notes, Settings, place
+from pydlpoly.scene.settings import Notes, place
 
 # DL_POLY calls lighter beads massless (shells, virtual sites) and does not integrate them.
 _MASSLESS = 1e-6
-# DL_POLY switches electrostatics off when no charge reaches this.
-_UNCHARGED = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,21 +84,6 @@ def _check_atoms(molecule: Molecule, field: Field, notes: Notes) -> None:
             message = f"bead {atom.name} of molecule {molecule.name} has no mass ({atom.mass:g}) and is not frozen: "
             message += "massless beads cannot be integrated yet; give it a mass or freeze it"
             raise SceneError(message, path=field.path, line=atom.line or None, word=atom.name)
-
-
-def check_charges(layout: Layout, settings: Settings, field: Field, notes: Notes) -> None:
-    """Refuse charges that a Coulomb method asks to be modelled; say when they are left out."""
-    method = settings.word("coul_method")
-    charged = np.abs(layout.charge) >= _UNCHARGED
-    if not charged.any():
-        if method != "off":
-            notes.ignored(f"coul_method {method} has no effect: no bead is charged", settings.where("coul_method"))
-        return
-    names = ", ".join(layout.species_names[k] for k in np.unique(layout.species[charged]))
-    if method != "off":
-        message = f"electrostatics (coul_method {method}) are not modelled yet, and these beads of {field.path} are "
-        raise settings.refusal("coul_method", f"{message}charged: {names}; coul_method off leaves the charges out")
-    notes.warning(f"the charges of {names} are ignored because coul_method is off", place(field.path, None))
 
 
 def check_configuration(layout: Layout, field: Field, config: Configuration) -> None:

@@ -15,6 +15,7 @@ from pydlpoly.formats.bonded_table import TABLE_KINDS, canonical_species
 from pydlpoly.formats.records import BondedLine, BondedTable, Field, FloatArray, Molecule
 from pydlpoly.scene.bonded_laws import KINDS, BondedEntry, read_bonded, refusal
 from pydlpoly.scene.cell import widths
+from pydlpoly.scene.charges import Strength
 from pydlpoly.scene.model import Beads, Bonded, BondedKind, BondedTerm
 from pydlpoly.scene.settings import Notes, place, places
 
@@ -54,6 +55,8 @@ def resolve_bonded(
     periodic: tuple[bool, bool, bool],
     config_path: str,
     notes: Notes,
+    strength: Strength,
+    charges: bool,
     tables: Iterable[BondedTable] = (),
 ) -> Bonded | None:
     """Return the bonded terms of all molecules, or None when there are none and no pair is excluded.
@@ -69,6 +72,8 @@ def resolve_bonded(
         periodic: periodicity along the three cell vectors.
         config_path: CONFIG, for messages.
         notes: receives choices and what has no effect.
+        strength: of two unit charges, for Coulomb bonds.
+        charges: whether the scene has electrostatics, for the 1-4 factors.
         tables: tabulated laws.
 
     Raises:
@@ -84,7 +89,9 @@ def resolve_bonded(
         size, count = molecule.beads_per_molecule, molecule.count
         if count and any(block.directive in (*KINDS, "constraints") and block.lines for block in molecule.blocks):
             offsets = first + size * np.arange(count)
-            parts.append(_MoleculeTerms(molecule, number, field, factor, found, notes).spread(offsets))
+            parts.append(
+                _MoleculeTerms(molecule, number, field, factor, found, notes, strength, charges).spread(offsets)
+            )
         first += size * count
     if not parts:
         return None
@@ -93,9 +100,15 @@ def resolve_bonded(
     excluded = np.concatenate([part.excluded for part in parts])
     scaled = np.concatenate([part.scaled for part in parts])
     scales = np.concatenate([part.scales for part in parts])
-    for array in (excluded, scaled, scales, *(term.beads for term in terms)):
-        array.setflags(write=False)  # a scene is immutable
-    bonded = Bonded(terms, excluded, scaled, scales, anchors)
+    coulomb_scaled = coulomb_scales = None
+    if charges:
+        coulomb_scaled = np.concatenate([part.coulomb_scaled for part in parts if part.coulomb_scaled is not None])
+        coulomb_scales = np.concatenate([part.coulomb_scales for part in parts if part.coulomb_scales is not None])
+    arrays = (excluded, scaled, scales, coulomb_scaled, coulomb_scales, *(term.beads for term in terms))
+    for array in arrays:
+        if array is not None:
+            array.setflags(write=False)  # a scene is immutable
+    bonded = Bonded(terms, excluded, scaled, scales, anchors, coulomb_scaled, coulomb_scales)
     _check_lengths(bonded, beads, cell, periodic, config_path)
     return bonded
 
@@ -104,10 +117,19 @@ class _MoleculeTerms:
     """The terms of one molecule type, with bead numbers counted from 0 within a copy."""
 
     def __init__(
-        self, molecule: Molecule, number: int, field: Field, factor: float, tables: _Tables, notes: Notes
+        self,
+        molecule: Molecule,
+        number: int,
+        field: Field,
+        factor: float,
+        tables: _Tables,
+        notes: Notes,
+        strength: Strength,
+        charges: bool,
     ) -> None:
         self._molecule, self._number, self._field, self._notes = molecule, number, field, notes
         self._names, self._tables, self._factor = molecule.bead_names, tables, factor
+        self._strength, self._charges = strength, charges
         self._lines: dict[BondedKind, list[_Line]] = {}
         for block in molecule.blocks:
             if block.directive in KINDS:
@@ -117,12 +139,14 @@ class _MoleculeTerms:
 
     def spread(self, offsets: NDArray[np.int64]) -> Bonded:
         """Return the terms of all copies; ``offsets`` holds the first bead of each."""
-        pairs = self._scaled_pairs()
+        coulomb, pairs = self._scaled_pairs()
         return Bonded(
             terms=tuple(self._terms(offsets)),
             excluded=_copies(np.array(sorted(self._excluded()), dtype=np.int64).reshape(-1, 2), offsets),
             scaled=_copies(np.array(list(pairs), dtype=np.int64).reshape(-1, 2), offsets),
             scales=np.tile(np.array(list(pairs.values()), dtype=np.float64), len(offsets)),
+            coulomb_scaled=_copies(np.array(list(coulomb), dtype=np.int64).reshape(-1, 2), offsets),
+            coulomb_scales=np.tile(np.array(list(coulomb.values()), dtype=np.float64), len(offsets)),
         )
 
     def _terms(self, offsets: NDArray[np.int64]) -> Iterator[BondedTerm]:
@@ -130,7 +154,8 @@ class _MoleculeTerms:
             groups: dict[tuple[str, bool, tuple[float, ...], tuple[str, ...]], list[BondedLine]] = {}
             for line, entry in lines:
                 species = self._species(kind, line) if entry.law.table else ()
-                groups.setdefault((entry.law.key, entry.restraint, entry.parameters, species), []).append(line)
+                parameters = self._with_charges(line, entry) if entry.law.key == "coul" else entry.parameters
+                groups.setdefault((entry.law.key, entry.restraint, parameters, species), []).append(line)
             for (key, restraint, parameters, species), members in groups.items():
                 local = np.array([line.beads for line in members], dtype=np.int64) - 1
                 where = places(self._field.path, [line.line for line in members])
@@ -156,6 +181,15 @@ class _MoleculeTerms:
             explanation=f"{term.explanation}, {place(table.path, table.line)}",
         )
 
+    def _with_charges(self, line: BondedLine, entry: BondedEntry) -> tuple[float, ...]:
+        """Return the number of a Coulomb bond times the strength and the charges of its beads."""
+        charges = [atom.charge for atom in self._molecule.atoms for _ in range(atom.repeat)]
+        product = math.prod(charges[bead - 1] for bead in line.beads)
+        if product == 0.0:
+            text = f"the bond {line.key} of beads {line.beads[0]} and {line.beads[1]} has no force: one has no charge"
+            self._notes.ignored(text, place(self._field.path, line.line))
+        return (entry.parameters[0] * self._strength.value()[0] * product,)
+
     def _excluded(self) -> set[tuple[int, int]]:
         constraints = self._molecule.block("constraints")
         fixed = {(min(line.beads) - 1, max(line.beads) - 1) for line in constraints.lines} if constraints else set()
@@ -168,14 +202,17 @@ class _MoleculeTerms:
             for pair in itertools.combinations(line.beads, 2)
         }
 
-    def _scaled_pairs(self) -> dict[tuple[int, int], float]:
-        """Return the 1-4 pairs that feel their pair law, with the factors; DL_POLY's rules where terms share a pair."""
+    def _scaled_pairs(self) -> tuple[dict[tuple[int, int], float], ...]:
+        """Return the factors of 1-4 pairs, of electrostatics and pair law; DL_POLY's rules where terms share one.
+
+        Without electrostatics the first has none.
+        """
         ends_of_angles = {
             (min(line.beads[0], line.beads[2]), max(line.beads[0], line.beads[2]))
             for line, entry in self._lines.get("angle", [])
             if not entry.restraint
         }
-        scales: dict[tuple[int, int], float] = {}
+        scales: dict[tuple[int, int], tuple[float, float]] = {}
         for line, entry in self._lines.get("dihedral", []):
             self._check_factors(line, entry)
             ends = min(line.beads[0], line.beads[3]), max(line.beads[0], line.beads[3])
@@ -183,13 +220,14 @@ class _MoleculeTerms:
                 continue
             where = place(self._field.path, line.line)
             if ends in ends_of_angles or ends in scales:
-                if entry.factors[1]:
+                if any(entry.factors):
                     reason = "an angle" if ends in ends_of_angles else "an earlier dihedral"
-                    text = f"the 1-4 factor {entry.factors[1]:g} is dropped, as in DL_POLY: {reason} has the same ends"
+                    dropped = " ".join(f"{x:g}" for x in entry.factors if x)
+                    text = f"the 1-4 factor {dropped} is dropped, as in DL_POLY: {reason} has the same ends"
                     self._notes.ignored(text, where)
                 continue
-            scales[ends] = entry.factors[1]
-        return {(i - 1, j - 1): scale for (i, j), scale in scales.items() if scale}
+            scales[ends] = entry.factors[0] if self._charges else 0.0, entry.factors[1]
+        return tuple({(i - 1, j - 1): pair[k] for (i, j), pair in scales.items() if pair[k]} for k in range(2))
 
     def _check_factors(self, line: BondedLine, entry: BondedEntry) -> None:
         electrostatic, pair = entry.factors
@@ -199,9 +237,9 @@ class _MoleculeTerms:
             )
             message += f"would count it again; leave them out, or write {entry.law.key}"
             raise refusal(line, self._field, message)
-        if electrostatic:
+        if electrostatic and not self._charges:
             name = self._molecule.name or "(no name)"
-            text = f"the electrostatic 1-4 factors of molecule {name} have no effect: no charges are modelled"
+            text = f"the electrostatic 1-4 factors of molecule {name} have no effect: no electrostatics act"
             self._notes.ignored(text, place(self._field.path, None))
 
     def _note_odd(self, factor: float) -> None:

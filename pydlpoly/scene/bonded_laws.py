@@ -22,9 +22,6 @@ KINDS: dict[str, BondedKind] = {
 }
 """The kind of terms that each block of a molecule holds."""
 
-_NOT_MODELLED = {
-    "coul": "Coulomb bonds are not modelled yet",
-}
 # Numbers 4 and 5 of a dihedral's line are the 1-4 factors, wherever its law's own numbers end.
 _FACTORS = slice(3, 5)
 
@@ -114,11 +111,9 @@ def read_bonded(kind: BondedKind, line: BondedLine, field: Field, factor: float)
         factor: FIELD's energy unit in internal units.
 
     Raises:
-        SceneError: a law that is not modelled, too few or too many numbers, or numbers that the law refuses.
+        SceneError: too few or too many numbers, or numbers that the law refuses.
     """
-    law = bonded_laws().get((kind, line.key))
-    if law is None:
-        raise refusal(line, field, _NOT_MODELLED["coul"])
+    law = bonded_laws()[kind, line.key]  # the reader knows no other keys
     numbers, factors = line.parameters, (0.0, 0.0)
     if kind == "dihedral":
         given = (*numbers[_FACTORS], 0.0, 0.0)

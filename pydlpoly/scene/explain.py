@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
+from pydlpoly import _core
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene import explain_bonded
 from pydlpoly.scene.cell import widths
@@ -46,6 +47,7 @@ def explain(scene: Scene) -> str:
         ("Integrator and thermostat", _dynamics(scene)),
         ("Pair table", _pairs(scene)),
         ("Bonded terms", _bonded(scene)),
+        ("Electrostatics", _electrostatics(scene)),
         ("Cutoffs and link cells", _cutoffs(scene)),
         ("Plan", _plan(scene)),
         ("Long-range correction", _long_range(scene)),
@@ -295,6 +297,25 @@ def _constraints(scene: Scene) -> list[str]:
     return [line for text in lines for line in _wrap(text)]
 
 
+def _electrostatics(scene: Scene) -> list[str]:
+    given, word, charges = scene.electrostatics, _Words(scene), scene.beads.charge
+    if given is None:
+        return ["none"]
+    charged = charges != 0.0
+    names = ", ".join(scene.species[k] for k in np.unique(scene.beads.species[charged]))
+    method = next(row["description"] for row in _core.charge_methods() if row["name"] == given.method)
+    frozen = int(np.count_nonzero(charged & scene.beads.frozen))
+    texts = [
+        f"{given.keyword}: {method}",
+        f"{int(np.count_nonzero(charged))} charged beads ({names}), total charge {math.fsum(charges.tolist()):.6g} e",
+        f"cutoff between pairs {given.cutoff:g}{word.length}, the global one",
+        *given.origins,
+    ]
+    if frozen:
+        texts.append(f"{frozen} of the charged beads are frozen; what acts between them is in no energy or pressure")
+    return [line for text in texts for line in _wrap(text)]
+
+
 def _cutoffs(scene: Scene) -> list[str]:
     word = _Words(scene)
     reach = max((max(term.cutoff, term.drag_cutoff) for term in scene.pairs), default=0.0)
@@ -462,9 +483,9 @@ def _correlations(plan: CorrelationPlan) -> tuple[str | None, int, str]:
 
 
 def _absent(scene: Scene) -> list[str]:
-    absent = (
-        ["electrostatics"] if scene.bonded is not None and scene.bonded.terms else ["bonded terms", "electrostatics"]
-    )
+    has_bonded = scene.bonded is not None and bool(scene.bonded.terms)
+    terms = {"bonded terms": has_bonded, "electrostatics": scene.electrostatics is not None}
+    absent = [name for name, present in terms.items() if not present]
     if all(term.law is None for term in scene.pairs):
         absent.append("conservative pair forces")
     if not is_pairwise(scene.dynamics.integrator):

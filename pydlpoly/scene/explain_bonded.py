@@ -37,6 +37,8 @@ def sentences(scene: Scene, bonded: Bonded) -> list[str]:
     lines.append(f"pairs without pair forces, drag and noise: {len(bonded.excluded)}")
     if len(bonded.scaled):
         lines.append(f"of these, 1-4 pairs that feel their pair law times a factor: {len(bonded.scaled)}")
+    if bonded.coulomb_scaled is not None and len(bonded.coulomb_scaled):
+        lines.append(f"of these, 1-4 pairs that feel electrostatics times a factor: {len(bonded.coulomb_scaled)}")
     if any(t.restraint and t.kind != "tether" for t in bonded.terms):
         lines.append("keys with a minus sign leave their beads the pair forces")
     return lines
@@ -51,6 +53,8 @@ def _what(scene: Scene, term: BondedTerm) -> tuple[str, str, str]:
 def _numbers(term: BondedTerm, factor: float) -> str:
     if term.table is not None:
         return f"table of {term.table.shape[1]} points"
+    if term.law == "coul":
+        return f"k q_i q_j/(4 pi eps0 eps)={term.parameters[0] / factor:.6g}"
     law = bonded_laws()[term.kind, term.law]
     numbers = law.as_in_field(term.parameters, factor)
     return " ".join(f"{name}={number:.6g}" for name, number in zip(law.parameter_names, numbers, strict=True))

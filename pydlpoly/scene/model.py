@@ -189,6 +189,8 @@ class Bonded:
         scaled: (s, 2) ids of excluded pairs that feel their pair law times a factor, as the ends of dihedrals may.
         scales: (s,) those factors.
         anchors: (N, 3) where tethers hold their beads (Å), None without tethers.
+        coulomb_scaled: (c, 2) ids of excluded pairs that feel electrostatics times a factor; ``coulomb_scales``: (c,)
+            those factors. None without electrostatics.
     """
 
     terms: tuple[BondedTerm, ...]
@@ -196,6 +198,38 @@ class Bonded:
     scaled: NDArray[np.int32]
     scales: FloatArray
     anchors: FloatArray | None = None
+    coulomb_scaled: NDArray[np.int32] | None = None
+    coulomb_scales: FloatArray | None = None
+
+
+@dataclass(frozen=True)
+class Electrostatics:
+    """How the charges of ``Beads`` act.
+
+    Attributes:
+        method: the core's name, "pairwise", "force_shifted", "reaction_field", "dddp" or "ewald"; ``keyword``:
+            CONTROL's.
+        shape: "point", "slater", "slater-exact", "gaussian" or "linear"; ``length``: λ = 1/β, λ, σ or R (Å).
+        strength: energy times length of two unit charges, internal units.
+        cutoff: of the part between pairs (Å).
+        alpha: of Ewald's sum or of the damping (1/Å), 0 for none.
+        permittivity: relative, of the reaction field.
+        counts: points of the mesh, or reciprocal vectors along each axis in the plain sum.
+        order: of the mesh's splines, 0 for the plain sum.
+        origins: where the numbers come from, in words.
+    """
+
+    method: str
+    keyword: str
+    shape: str
+    length: float
+    strength: float
+    cutoff: float
+    alpha: float = 0.0
+    permittivity: float = 1.0
+    counts: tuple[int, int, int] = (0, 0, 0)
+    order: int = 0
+    origins: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -422,6 +456,7 @@ class Scene:
             none.
         constraints: fixed distances; None when there are none.
         walls: walls across axes of the cell; None when there are none.
+        electrostatics: how charges act; None when they do not.
     """
 
     title: str
@@ -450,6 +485,7 @@ class Scene:
     bonded: Bonded | None = None
     constraints: Constraints | None = None
     walls: Walls | None = None
+    electrostatics: Electrostatics | None = None
 
     @property
     def constraint_count(self) -> int:

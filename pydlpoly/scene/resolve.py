@@ -9,10 +9,11 @@ import numpy as np
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import BondedTable, Configuration, Control, Field, FloatArray, PairTable
 from pydlpoly.scene.barostat import check_barostat, resolve_barostat, shape_of
-from pydlpoly.scene.beads import Layout, check_charges, check_configuration, lay_out
+from pydlpoly.scene.beads import Layout, check_configuration, lay_out
 from pydlpoly.scene.bonded import resolve_bonded
 from pydlpoly.scene.bonded_laws import KINDS
 from pydlpoly.scene.cell import resolve_cell, widths, wrap
+from pydlpoly.scene.charges import Strength, resolve_charges
 from pydlpoly.scene.constraints import left_by, resolve_constraints
 from pydlpoly.scene.dynamics import check_limits, resolve_dynamics, resolve_run, settle_momentum, start_velocities
 from pydlpoly.scene.external import resolve_external
@@ -81,7 +82,6 @@ def resolve(
     dynamics = resolve_shear(settings, dynamics, notes)
     layout = lay_out(field, notes)
     check_configuration(layout, field, config)
-    check_charges(layout, settings, field, notes)
     external = resolve_external(field, field_units, config.imcon, layout, dynamics, settings, notes)
     check_barostat(dynamics, settings, config, field, layout, external)
     cutoffs = resolve_cutoffs(settings, notes)
@@ -93,6 +93,8 @@ def resolve(
     imcon = shape_of(dynamics, config.imcon, settings, notes)
     if dynamics.shear_rate != 0.0:
         imcon = SHEARED_SHAPE
+    strength = Strength(settings, field_units.reduced, dynamics)
+    electrostatics = resolve_charges(settings, field, layout, strength, cutoffs[0], cell, imcon, notes)
     pairs = resolve_pairs(settings, field, field_units.factor, layout, dynamics, cutoffs, tables, notes)
     check_limits(dynamics, pairs, layout, settings, notes)
     note_small_cell(pairs, widths(cell)[list(periodic)].tolist(), notes)
@@ -103,7 +105,10 @@ def resolve(
     output = resolve_output(settings, field, layout.species_names, pairs, cutoffs[0], notes, cell, periodic)
     velocities = start_velocities(config, layout, run, fixed and dynamics.shear_rate == 0.0, notes)
     beads = _beads(layout, _wrapped(config, cell, periodic), velocities)
-    bonded = resolve_bonded(field, field_units.factor, beads, cell, periodic, config.path, notes, bonded_tables)
+    charged = electrostatics is not None
+    bonded = resolve_bonded(
+        field, field_units.factor, beads, cell, periodic, config.path, notes, strength, charged, bonded_tables
+    )
     constraints = resolve_constraints(
         settings, field, layout, dynamics, beads.positions, cell, periodic, cutoffs[0], config.path, notes
     )
@@ -134,6 +139,7 @@ def resolve(
         bonded=bonded,
         constraints=constraints,
         walls=walls,
+        electrostatics=electrostatics,
     )
 
 

@@ -23,6 +23,7 @@ _CLASSES: dict[str, type[Any]] = {
         model.BondedTerm,
         model.Bonded,
         model.Constraints,
+        model.Electrostatics,
         model.Schedule,
         model.Barostat,
         model.Dynamics,
