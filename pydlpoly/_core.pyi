@@ -555,6 +555,21 @@ class System:
         """
         Link cells of at least this width instead of one range; never changes results.
         """
+    def set_charges(
+        self,
+        charges: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        settings: ChargeSettings,
+        excluded: collections.abc.Sequence[
+            tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex]
+        ],
+        scaled: collections.abc.Sequence[
+            tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex]
+        ],
+        scales: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+    ) -> None:
+        """
+        Adds electrostatics: charges (N,) in e, pairs without it, and pairs that feel it times a factor.
+        """
     def set_constraints(
         self,
         beads: collections.abc.Sequence[
@@ -566,6 +581,26 @@ class System:
     ) -> None:
         """
         Takes pairs of beads whose distances stay fixed.
+        """
+    def set_walls(
+        self,
+        walled: typing.Annotated[collections.abc.Sequence[bool], "FixedSize(3)"],
+        distance: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        bounce_back: bool,
+    ) -> None:
+        """
+        Hard walls across these axes at these distances from the origin on both sides.
+        """
+    def stress_profile(
+        self, axis: typing.SupportsInt | typing.SupportsIndex, layers: typing.SupportsInt | typing.SupportsIndex
+    ) -> tuple[
+        numpy.typing.NDArray[numpy.float64],
+        numpy.typing.NDArray[numpy.float64],
+        numpy.typing.NDArray[numpy.float64],
+        numpy.typing.NDArray[numpy.int64],
+    ]:
+        """
+        Σ m v_a v_b, Σ F_a r_b of pairs and of bonded terms, (layers, 6) each, and beads (layers, species).
         """
     def wrap(self) -> None:
         """
