@@ -62,6 +62,8 @@ class StressProfile:
         message = why_no_layers(simulation.scene.cell, simulation.scene.periodic, axis)
         if message:
             raise SceneError(message)
+        if simulation.scene.constraints is not None:
+            raise SceneError("the stress in layers is not modelled with constraints")
         self.axis, self.layers = "xyz".index(axis), layers
         self._every, self._after, self._interfaces, self._path = every, after, interfaces, path
         self._scene = simulation.scene

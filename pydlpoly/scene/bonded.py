@@ -275,6 +275,10 @@ def _copies(local: NDArray[np.int64], offsets: NDArray[np.int64]) -> NDArray[np.
     return (offsets[:, None, None] + local[None, :, :]).reshape(-1, local.shape[1]).astype(np.int32)
 
 
+def _an(kind: str) -> str:
+    return f"an {kind}" if kind[0] in "ai" else f"a {kind}"
+
+
 def _check_lengths(
     bonded: Bonded, beads: Beads, cell: FloatArray, periodic: tuple[bool, bool, bool], config_path: str
 ) -> None:
@@ -290,8 +294,6 @@ def _check_lengths(
             if (lengths > limit).any():
                 worst = int(lengths.argmax())
                 i, j = sorted(int(term.beads[worst, k]) + 1 for k in (a, b))
-                message = (
-                    f"beads {i} and {j} of a {term.kind} ({term.explanation}) are {lengths[worst]:g} apart, more than "
-                )
-                message += f"half the cell's width ({limit:g}): which image is meant is not certain"
+                message = f"beads {i} and {j} of {_an(term.kind)} ({term.explanation}) are {lengths[worst]:g} apart, "
+                message += f"more than half the cell's width ({limit:g}): which image is meant is not certain"
                 raise SceneError(message, path=config_path)

@@ -10,11 +10,12 @@ from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import BondedLine, Field, FloatArray, Molecule
 from pydlpoly.scene.beads import Layout
 from pydlpoly.scene.cell import widths
-from pydlpoly.scene.integrators import WITH_CONSTRAINTS
-from pydlpoly.scene.model import Constraints, Dynamics
+from pydlpoly.scene.integrators import INTEGRATORS, WITH_CONSTRAINTS
+from pydlpoly.scene.model import Constraints, Dynamics, ExternalTerm, Walls
 from pydlpoly.scene.settings import Notes, Settings, place, places
 
 _INDEPENDENT = 1e-6  # least singular value of the constraints' directions, relative to the largest
+_TURNING_FIELDS = ("magn", "shrx")
 _LARGEST_CHECKED = 2000  # constraints of a molecule
 
 
@@ -29,14 +30,17 @@ def resolve_constraints(
     cutoff: float,
     config_path: str,
     notes: Notes,
+    external: tuple[ExternalTerm, ...] = (),
+    walls: Walls | None = None,
 ) -> Constraints | None:
     """Return the fixed distances of all molecules, or None when there are none.
 
     Constraints between two frozen beads hold by themselves and are left out, as in DL_POLY.
 
     Raises:
-        SceneError: an integrator or a barostat that cannot keep lengths, a length that is not positive, not below the
-            cutoff or not below half the cell's width, and constraints of one molecule that depend on each other.
+        SceneError: an integrator, a cell, walls or a field that do not go with fixed lengths, a length that is not
+            positive, not below the cutoff or not below half the cell's width, and constraints of one molecule that
+            depend on each other.
     """
     found = []
     first = 0
@@ -53,6 +57,7 @@ def resolve_constraints(
     if not any(len(lengths) for *_, lengths in found):
         return None
     _check_integrator(settings, dynamics)
+    _check_motion(settings, field, dynamics, external, walls)
     axes = list(periodic)
     limit = 0.5 * float(widths(cell)[axes].min()) if any(axes) else math.inf
     arms = [_arms(beads, positions, cell, periodic) for _, _, beads, _ in found]
@@ -122,6 +127,27 @@ def _check_integrator(settings: Settings, dynamics: Dynamics) -> None:
     if settings.steps("diagnostics_frequency"):
         message = "DIAGNOSTICS holds the configurational temperature, which is not modelled with constraints"
         raise settings.refusal("diagnostics_frequency", message)
+
+
+def _check_motion(
+    settings: Settings, field: Field, dynamics: Dynamics, external: tuple[ExternalTerm, ...], walls: Walls | None
+) -> None:
+    """Refuse what moves beads one by one, and samples of the stress that know nothing of fixed lengths."""
+    if dynamics.shear_rate != 0.0:
+        raise settings.refusal("shear_rate", "constraints are not modelled in a sheared cell")
+    if walls is not None:
+        raise settings.refusal("wall_method", "constraints are not modelled between walls")
+    for line, term in zip(field.externals, external, strict=True):
+        if term.key in _TURNING_FIELDS:
+            message = "constraints are not modelled with a field that sets or turns velocities"
+            raise SceneError(message, path=field.path, line=line.line or None, word=term.key)
+    if settings.steps("stress_profile_frequency"):
+        message = "the stress in layers is not modelled with constraints"
+        raise settings.refusal("stress_profile_frequency", message)
+    kind = INTEGRATORS[dynamics.integrator].kind if dynamics.integrator in INTEGRATORS else "none"
+    if settings.given("correlation_observable") and kind in ("sweep", "simultaneous"):
+        message = f"with constraints and {dynamics.integrator} the stress lacks what lengths do to drag and noise; "
+        raise settings.refusal("correlation_observable", f"{message}mdvv has all of it")
 
 
 def _arms(beads: np.ndarray, positions: FloatArray, cell: FloatArray, periodic: tuple[bool, bool, bool]) -> FloatArray:

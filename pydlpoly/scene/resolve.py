@@ -110,7 +110,18 @@ def resolve(
         field, field_units.factor, beads, cell, periodic, config.path, notes, strength, charged, bonded_tables
     )
     constraints = resolve_constraints(
-        settings, field, layout, dynamics, beads.positions, cell, periodic, cutoffs[0], config.path, notes
+        settings,
+        field,
+        layout,
+        dynamics,
+        beads.positions,
+        cell,
+        periodic,
+        cutoffs[0],
+        config.path,
+        notes,
+        external,
+        walls,
     )
     tails = long_range_correction(settings, pairs, periodic, notes)
     settings.finish(notes)

@@ -139,6 +139,22 @@ def test_beads_too_far_apart_at_the_start(make: Any) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("inside", "kind"),
+    [
+        ("angles 1\nharm 1 3 2 10.0 120.0", "an angle"),
+        ("dihedrals 1\ncos 1 2 3 4 1.0 0.0 1", "a dihedral"),
+        ("inversions 1\nplan 2 1 3 4 1.0", "an inversion"),
+    ],
+)
+def test_other_terms_too_far_apart_at_the_start(make: Any, inside: str, kind: str) -> None:
+    positions = [[0.0, 0.0, 0.0], [0.5, 0.5, 0.0], [1.9, 1.9, 1.9], *NEAR[3:]]
+    with pytest.raises(SceneError) as caught:
+        make(**FOUR, positions=positions, inside=inside).scene()
+    assert f"of {kind} (FIELD:9) are" in str(caught.value)
+    assert "more than half the cell's width (2): which image is meant is not certain" in str(caught.value)
+
+
 def test_constraints_that_depend_on_each_other(make: Any) -> None:
     """Three beads in a line: two of the three distances fix the third, to first order."""
     line = [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.9, 0.0, 0.0], *NEAR[3:]]
@@ -191,6 +207,23 @@ def test_constraints_as_long_as_half_the_cell(make: Any) -> None:
             "CONTROL:10: 'shake_tolerance': the tolerance of constraints must be above 0 and below all lengths, the "
             "shortest of which is 0.5, not 0.6",
         ),
+        (
+            {"shear_rate": "0.1 dpd_t^-1"},
+            "CONTROL:10: 'shear_rate': constraints are not modelled in a sheared cell",
+        ),
+        (
+            {"wall_method": "reflecting", "wall_axes": "z"},
+            "CONTROL:10: 'wall_method': constraints are not modelled between walls",
+        ),
+        (
+            {"stress_profile_frequency": "10 steps"},
+            "CONTROL:10: 'stress_profile_frequency': the stress in layers is not modelled with constraints",
+        ),
+        (
+            {"ensemble_dpd_order": "middle", "correlation_observable": "[s_xy-s_xy]"},
+            "CONTROL:10: 'correlation_observable': with constraints and middle the stress lacks what lengths do to "
+            "drag and noise; mdvv has all of it",
+        ),
         ({"shake_max_iter": "0"}, "CONTROL:10: 'shake_max_iter': constraints need at least one iteration, not 0"),
     ],
 )
@@ -198,6 +231,20 @@ def test_settings_that_do_not_go_with_constraints(make: Any, control: dict[str, 
     with pytest.raises(SceneError) as caught:
         make(**FOUR, positions=NEAR, inside="constraints 1\n1 2 0.5", control=control).scene()
     assert str(caught.value) == message
+
+
+@pytest.mark.parametrize("field", ["magn 1.0 0.0 0.0", "grav 1.0 0.0 0.0"])
+def test_fields_that_turn_velocities_do_not_go_with_constraints(make: Any, field: str) -> None:
+    atoms = {"atoms": ("A 1.0 0.5 4", "B 2.0 0.0"), "counts": (1, 2)}
+    given = make(**atoms, positions=NEAR, inside="constraints 1\n1 2 0.5", after=f"extern\n{field}")
+    if field.startswith("grav"):
+        assert given.scene().constraint_count == 1
+        return
+    with pytest.raises(SceneError) as caught:
+        given.scene()
+    assert str(caught.value) == (
+        "FIELD:23: 'magn': constraints are not modelled with a field that sets or turns velocities"
+    )
 
 
 def test_constraints_of_frozen_beads_are_left_out(make: Any) -> None:
