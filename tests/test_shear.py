@@ -16,6 +16,7 @@ from tests.molecule_builder import molecule_scene
 from tests.scene_builder import NVE, make_scene, random_positions
 
 SPLIT = ["zeroth", "first", "second", "peters", "peters-first", "lowe-andersen", "stoyanov-groot", "ou", "ou-middle"]
+CHOOSING = ["lowe-andersen", "stoyanov-groot"]  # pairs get new velocities by chance
 REPULSION = ("A A dpd 25.0 1.0",)
 
 
@@ -55,7 +56,9 @@ def test_free_beads_fly_straight_through_moving_images(rate: float) -> None:
     assert np.abs(state.images[:, 1]).max() > 4
 
 
-def image_sum(positions: FloatArray, velocities: FloatArray, cell: FloatArray, rate: float) -> FloatArray:
+def image_sum(
+    positions: FloatArray, velocities: FloatArray, cell: FloatArray, rate: float, exponent: float
+) -> FloatArray:
     """Soft repulsion 25 and drag 4.5 of all images within 1: those n cells up move by n · rate · L_y along x."""
     forces = np.zeros_like(positions)
     for a in (-2, -1, 0, 1, 2):
@@ -69,7 +72,7 @@ def image_sum(positions: FloatArray, velocities: FloatArray, cell: FloatArray, r
                 weight = np.where(near, 1.0 - r, 0.0)
                 unit = d / np.where(near, r, 1.0)[..., None]
                 along = np.sum(unit * v, axis=2)
-                forces += np.sum((25.0 * weight - 4.5 * weight**2 * along)[..., None] * unit, axis=1)
+                forces += np.sum((25.0 * weight - 4.5 * weight**exponent * along)[..., None] * unit, axis=1)
     return forces
 
 
@@ -84,11 +87,10 @@ def test_forces_and_drag_are_those_of_moving_images(offset: float, exponent: flo
         control["ensemble_dpd_exponent"] = f"{exponent}"
     scene = make_scene({"A": 100}, cell=cell, positions=positions, velocities=velocities, control=control)
     simulation = Simulation(scene, seed=1, threads=1)
-    if exponent == 2.0:
-        state = simulation.state
-        expected = image_sum(state.positions, state.velocities, cell, 0.6)
-        np.testing.assert_allclose(state.forces, expected, rtol=0, atol=1e-10)
-    # The stress of the drag: −γ Σ w (e·v)(d d)/r, of the flow alone by a finite difference in the rate.
+    state = simulation.state
+    expected = image_sum(state.positions, state.velocities, cell, 0.6, exponent)
+    np.testing.assert_allclose(state.forces, expected, rtol=0, atol=1e-10)
+    # A faster flow, seen in the stress of the drag alone.
     other = Simulation(make_scene({"A": 100}, cell=cell, positions=positions, velocities=velocities,
                                   control=control | sheared(0.7)), seed=1, threads=1)  # fmt: skip
     change = other.observe().stress_parts["drag"] - simulation.observe().stress_parts["drag"]
@@ -137,7 +139,7 @@ def test_without_a_thermostat_the_stress_does_the_work(molecules: bool) -> None:
     assert gained == pytest.approx(work, rel=2e-3)
 
 
-@pytest.mark.parametrize("order", SPLIT)
+@pytest.mark.parametrize("order", [order for order in SPLIT if order not in CHOOSING])
 def test_sweeps_see_the_velocity_of_the_image(order: str) -> None:
     """Two beads across a face across y, nothing but the drag at 0 K: their velocity along the line decays."""
     cell, rate = tilted([6.0, 6.0, 6.0], 0.0), 0.5
@@ -159,11 +161,26 @@ def test_sweeps_see_the_velocity_of_the_image(order: str) -> None:
     relative = velocities[0] - velocities[1] - np.array([rate * 6.0, 0.0, 0.0])
     force = -4.5 * (1.0 - distance) ** 2 * float(unit @ relative) * unit
     for wanted in (order, "mdvv"):
-        if wanted in ("lowe-andersen", "stoyanov-groot"):
-            continue  # whether they choose this pair is chance; the temperature of these is tested below
         change = (after(wanted) - velocities) / step
         np.testing.assert_allclose(change[0], force, rtol=2e-3)
         np.testing.assert_allclose(change[1], -force, rtol=2e-3)
+
+
+@pytest.mark.parametrize("order", CHOOSING)
+def test_chosen_pairs_stop_relative_to_the_image(order: str) -> None:
+    """At 0 K, with every pair chosen, two beads across a face do not move along their line any more."""
+    control = sheared(0.5, temperature="0.0 K", fixed_com="off", ensemble_dpd_order=order)
+    scene = make_scene(
+        {"A": 2}, ("A A dpd 0.0 1.0 4.5",), cell=6.0, positions=[[0.3, 2.9, 0.1], [0.0, -2.9, 0.0]],
+        velocities=[[0.4, -0.1, 0.3], [-0.2, 0.2, 0.0]], control=control | {"ensemble_dpd_rate": "100 dpd_t^-1"},
+    )  # fmt: skip
+    simulation = Simulation(scene, seed=11, threads=1)
+    simulation.run(1)
+    state = simulation.state
+    line = state.positions[0] - (state.positions[1] + simulation.cell[1])
+    relative = state.velocities[0] - state.velocities[1] - [0.5 * 6.0, 0.0, 0.0]
+    assert float(line @ relative) == pytest.approx(0.0, abs=1e-12)
+    assert np.linalg.norm(relative) > 0.1
 
 
 @pytest.mark.parametrize("order", ["mdvv", "middle", *SPLIT])
