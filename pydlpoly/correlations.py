@@ -2,7 +2,7 @@
 
 Green and Kubo: η = V/(k_B T) ∫⟨σ_xy(0) σ_xy(t)⟩ dt, with the stress of all parts: momenta, pair laws, bonded terms,
 drag and noise. The noise of one step is correlated with itself alone, as a delta function would be; the trapezoidal
-rule gives that sample half its weight, which makes the integral the one of Einstein's and Helfand's, of the momentum that
+rule gives that sample half its weight, which makes the integral the one of Einstein and Helfand, of the momentum that
 was carried in the run (Jung and Schmid, J. Chem. Phys. 144, 204104 (2016)). It holds when every step is sampled.
 """
 
