@@ -88,20 +88,21 @@ def test_the_einstein_sum_is_the_integral() -> None:
 def test_viscosity_of_dpd_water(order: str) -> None:
     """0.84 ± 0.05 at ρ = 3, A = 25, γ = 4.5, k_B T = 1 (0.80 to 0.88 in print).
 
-    40 000 steps of 0.04 and lags up to 2.5: relative error √(2 · 2.5/(3 · 1600)) = 3 % of the three shears' mean.
+    60 000 steps of 0.04 and lags up to 1.2, where the integral has levelled off: relative error
+    √(2 · 1.2/(3 · 2400)) = 1.8 % of the three shears' mean, some more from the noise's own fluctuations.
     """
     control = {"timestep": "0.04 internal_t", "ensemble_dpd_order": order}
     simulation = Simulation(make_scene({"A": 648}, WATER, cell=6.0, control=control), seed=12)
     simulation.run(500)
-    terms = [CorrelationTerm(place, place, 64) for place in ((0, 1), (0, 2), (1, 2))]
+    terms = [CorrelationTerm(place, place, 32) for place in ((0, 1), (0, 2), (1, 2))]
     correlations = StressCorrelations(simulation, terms)
     simulation.reporters.append(correlations)
-    simulation.run(40_000)
+    simulation.run(60_000)
     found = correlations.viscosity()
     assert found is not None
-    assert 0.01 < found.error < 0.06
+    assert 0.01 < found.error < 0.05
     assert abs(found.value - 0.84) < max(3.0 * found.error, 0.05)
-    # The half step at t = 0, most of it the noise's own, is a quarter of the whole: neither none of it nor all would do.
+    # The half step at t = 0, most of it the noise's own, is a third of the whole: neither none nor twice would do.
     _, values = correlations.correlation()
     assert 0.2 < 0.5 * 0.04 * values[0] * 216.0 < 0.35
 
