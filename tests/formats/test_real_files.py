@@ -285,7 +285,7 @@ def test_an_odd_line_in_a_large_history_changes_nothing(tmp_path: Path) -> None:
 def test_mdanalysis_s_own_files() -> None:
     """Only where the package MDAnalysisTests is installed, which brings 60 MB of files."""
     package = pytest.importorskip("MDAnalysisTests")
-    folder = Path(package.__file__).parent / "data" / "dlpoly"
+    folder = Path(next(iter(package.__path__))) / "data" / "dlpoly"
     assert len(read_config(folder / "CONFIG").names) == 216
     assert read_config(folder / "CONFIG_minimal").names == ("C", "B", "A")
     with pytest.raises(InputError, match="this bead index is larger than the number of beads"):
