@@ -125,11 +125,12 @@ class StressCorrelations:
         """Return the integral over all lags, pressure times time; None where it would be wrong or there is nothing.
 
         With noise of pairs every step must be sampled: at a longer interval the noise's own correlation would be
-        integrated over that interval, and not over the step it belongs to.
+        integrated over that interval, and not over the step it belongs to. A Langevin thermostat takes momentum out of
+        the fluid, so that there is no viscosity.
         """
         if not any(term.is_shear for term in self.terms) or self.samples < 2:
             return None
-        if self._every > 1 and has_pair_noise(self._scene):
+        if self._scene.dynamics.integrator == "langevin" or (self._every > 1 and has_pair_noise(self._scene)):
             return None
         _, integral, errors = self.green_kubo()
         correlator, _ = self._place(next(term for term in self.terms if term.is_shear))

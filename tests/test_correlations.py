@@ -137,6 +137,15 @@ def test_noise_needs_every_step() -> None:
         "ensemble": "nve", "ensemble_method": None, "ensemble_dpd_order": None}))  # fmt: skip
 
 
+def test_without_conserved_momentum_there_is_no_viscosity() -> None:
+    control = {"ensemble_method": "langevin", "ensemble_dpd_order": None, "ensemble_thermostat_friction": "1 dpd_t^-1"}
+    simulation = Simulation(make_scene({"A": 50}, ("A A dpd 25.0 1.0",), cell=3.0, control=control), seed=3)
+    correlations = StressCorrelations(simulation)
+    simulation.reporters.append(correlations)
+    simulation.run(20)
+    assert (correlations.viscosity(), correlations.samples, correlations.estimates()) == (None, 20, [])
+
+
 def test_only_shears_give_a_viscosity() -> None:
     simulation = Simulation(make_scene({"A": 100}, WATER, cell=3.5), seed=3)
     correlations = StressCorrelations(simulation, [CorrelationTerm((0, 0), (1, 1), 5)])
