@@ -2,7 +2,7 @@
 
 Green and Kubo: η = V/(k_B T) ∫⟨σ_xy(0) σ_xy(t)⟩ dt, with the stress of all parts: momenta, pair laws, bonded terms,
 drag and noise. The noise of one step is correlated with itself alone, as a delta function would be; the trapezoidal
-rule gives that sample half its weight, which makes the integral the one of Einstein's and Helfand's, of the momentum that
+rule gives that sample half its weight, which makes the integral the one of Einstein and Helfand, of the momentum that
 was carried in the run (Jung and Schmid, J. Chem. Phys. 144, 204104 (2016)). It holds when every step is sampled.
 """
 
@@ -125,11 +125,12 @@ class StressCorrelations:
         """Return the integral over all lags, pressure times time; None where it would be wrong or there is nothing.
 
         With noise of pairs every step must be sampled: at a longer interval the noise's own correlation would be
-        integrated over that interval, and not over the step it belongs to.
+        integrated over that interval, and not over the step it belongs to. A Langevin thermostat takes momentum out of
+        the fluid, so that there is no viscosity.
         """
         if not any(term.is_shear for term in self.terms) or self.samples < 2:
             return None
-        if self._every > 1 and has_pair_noise(self._scene):
+        if self._scene.dynamics.integrator == "langevin" or (self._every > 1 and has_pair_noise(self._scene)):
             return None
         _, integral, errors = self.green_kubo()
         correlator, _ = self._place(next(term for term in self.terms if term.is_shear))

@@ -12,6 +12,7 @@ import pytest
 from pydlpoly.errors import InputError, InputWarning
 from pydlpoly.formats.config import parse_config, read_config
 from pydlpoly.formats.history import Frame, read_history, read_history_header
+from pydlpoly.formats.plain_lines import plain_heads
 
 TWINS = Path(__file__).resolve().parents[1] / "data" / "real"
 
@@ -284,7 +285,7 @@ def test_an_odd_line_in_a_large_history_changes_nothing(tmp_path: Path) -> None:
 def test_mdanalysis_s_own_files() -> None:
     """Only where the package MDAnalysisTests is installed, which brings 60 MB of files."""
     package = pytest.importorskip("MDAnalysisTests")
-    folder = Path(package.__file__).parent / "data" / "dlpoly"
+    folder = Path(next(iter(package.__path__))) / "data" / "dlpoly"
     assert len(read_config(folder / "CONFIG").names) == 216
     assert read_config(folder / "CONFIG_minimal").names == ("C", "B", "A")
     with pytest.raises(InputError, match="this bead index is larger than the number of beads"):
@@ -313,3 +314,12 @@ def test_ase_s_own_strings(tmp_path: Path) -> None:
     assert ([f.step for f in three], said) == ([20, 25, 30], [])
     assert three[0].velocities is not None
     assert (three[0].names, three[0].velocities[3, 2], three[0].masses[3]) == (("O", "H", "H", "X"), 92.19090576, 0.0)
+
+
+@pytest.mark.parametrize("lines", [["A\n", "5 B 7\n"], ["A 1\n", "B\n"], [" A 1\n", "B 2\n"], ["A 1\n", "\n"], []])
+def test_lines_that_only_look_alike_are_not_plain(lines: list[str]) -> None:
+    assert plain_heads(lines) is None
+
+
+def test_plain_lines_are_columns() -> None:
+    assert plain_heads(["A 1 x\n", "B  2\ty \n"]) == [["A", "B"], ["1", "2"], ["x", "y"]]
