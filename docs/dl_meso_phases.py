@@ -232,10 +232,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--steps", type=int, help="in place of CONTROL's")
     parser.add_argument("--keep", type=Path, help="folder for the last frames of each run")
+    parser.add_argument("--only", action="append", choices=NAMES, help="leave the others out of table and pictures")
     options = parser.parse_args()
     found = {}
     steps = 0
-    for name in NAMES:
+    for name in options.only or NAMES:
         scene, frames, temperature, pressure = run(name, options.steps, options.keep)
         steps = options.steps or scene.run.steps
         found[name], share = phase(scene, frames, temperature, pressure)
