@@ -35,7 +35,7 @@ NAMES = ("amphiphile-1", "amphiphile-2", "amphiphile-3", "amphiphile-4")
 _SPACING = 0.5  # of the grid
 _WIDTH = 0.4  # of the Gaussian that smooths densities
 _FRAMES, _BETWEEN = 20, 50
-_SHAPES = ("micelles", "cylinders", "layers", "a network")
+_LAYERS, _CYLINDERS = 0.7, 0.2  # the largest eigenvalue of Q above, the smallest below
 
 FloatArray = NDArray[np.float64]
 
@@ -65,11 +65,15 @@ class Phase:
 
     @property
     def words(self) -> str:
-        """The shape of the domain of B, in words."""
-        shape = _SHAPES[self.directions]
-        if self.directions == 3:
-            return "two networks, one inside the other" if self.outside == 3 else "B all around"
-        return shape
+        """The phase, from Q where it has a direction, else from the shape of the domain of B."""
+        high, _, low = self.eigenvalues
+        if self.directions == 0:
+            return "micelles"
+        if high > _LAYERS:
+            return "layers" if self.directions == 2 else "layers with bridges or gaps"
+        if low < _CYLINDERS:
+            return "parallel cylinders" if self.directions == 1 else "parallel cylinders with bridges"
+        return "a network in all directions"
 
 
 def run(name: str, steps: int | None, keep: Path | None) -> tuple[Scene, FloatArray, float, float]:
@@ -232,10 +236,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--steps", type=int, help="in place of CONTROL's")
     parser.add_argument("--keep", type=Path, help="folder for the last frames of each run")
+    parser.add_argument("--only", action="append", choices=NAMES, help="leave the others out of table and pictures")
     options = parser.parse_args()
     found = {}
     steps = 0
-    for name in NAMES:
+    for name in options.only or NAMES:
         scene, frames, temperature, pressure = run(name, options.steps, options.keep)
         steps = options.steps or scene.run.steps
         found[name], share = phase(scene, frames, temperature, pressure)

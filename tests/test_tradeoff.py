@@ -430,6 +430,8 @@ def test_lines_keep_the_style_and_unit_of_the_input() -> None:
     old = parse_control("t\nensemble nvt dpds1 4.5\ntimestep 0.01\nfinish\n")
     assert control_lines(_MIDDLE, "ps", old) == ["ensemble nvt middle 4.5", "timestep 0.02"]
     assert "convert" in control_lines(_PREDICTED, "ps", old)[0]
+    meso = parse_control("t\nvolume 27\ntemperature 1\ntimestep 0.01\nsteps 10\nfinish\n")
+    assert control_lines(_PREDICTED, "ps", meso)[0] == "# after: pydlpoly convert FOLDER --to dl_poly"
 
 
 @pytest.mark.parametrize("style", ["new", "old"])

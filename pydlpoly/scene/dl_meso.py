@@ -33,6 +33,7 @@ from pydlpoly.units import BOLTZMANN
 _RULE = "lorentz-berthelot"
 # Without a seed the noise differs from run to run, but the same files always have the same start.
 _SEED = 0
+_WCA_END: float = 2.0 ** (1.0 / 6.0)  # times sigma
 _CHOSEN_PAIRS = ("lowe-andersen", "stoyanov-groot")
 
 
@@ -142,8 +143,8 @@ def _with_ranges(control: Control, meso: MesoControl, field: Field) -> tuple[Con
 
 def _end(line: PairLine, cutoff: float) -> float:
     """Return where a law ends, and with it its drag unless another range is given."""
-    ends = {"dpd": line.parameters[1], "wca": 2.0 ** (1.0 / 6.0) * line.parameters[1]}
-    return ends.get(line.key, cutoff)
+    lengths = {"dpd": 1.0, "wca": _WCA_END}
+    return lengths[line.key] * line.parameters[1] if line.key in lengths else cutoff
 
 
 def _with_rate(control: Control, field: Field) -> Control:

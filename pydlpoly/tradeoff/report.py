@@ -258,7 +258,10 @@ def control_lines(one: Measured, time_unit: str, control: Control | None = None)
             return [line for line in lines if line.split()[:1] and line.split()[0] in ("ensemble", "timestep")]
         except InputError:  # λ, an interval, or a precision
             return ["# after: pydlpoly convert CONTROL --to new", *write_control(record).splitlines()[1:]]
-    return write_control(record).splitlines()[1:]
+    lines = write_control(record).splitlines()[1:]
+    if control is not None and control.meso is not None:
+        return ["# after: pydlpoly convert FOLDER --to dl_poly", *lines]
+    return lines
 
 
 def _has(control: Control | None, keyword: str) -> bool:

@@ -241,16 +241,6 @@ def test_scaling_acts_in_the_equilibration_only(tmp_path: Path) -> None:
             "CONTROL:9: 'nfold': nfold [ 2 1 1 ] is not modelled: replication of the cell",
         ),
         (
-            {},
-            FIELD.replace("INTER", "EXTERNAL\nelec 0 0 1\nINTER"),
-            "FIELD:15: 'elec': this external field is not modelled yet; grav and oshr are",
-        ),
-        (
-            {},
-            FIELD.replace("bonds 1\nharm 1 2 100.0 0.5", "constraints 1\n1 2 0.5"),
-            "FIELD:11: 'constraints': the block constraints of molecule AB is not modelled yet",
-        ),
-        (
             {"volume": None, "boundary": "halo 2"},
             FIELD,
             "CONTROL: 'volume': there is no CONFIG, and no volume in a CONTROL of DL_MESO's dialect to place the beads "
