@@ -7,7 +7,7 @@ alone, so that a seed gives the same places with every release of numpy.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,12 +47,10 @@ class Job:
 
 @dataclass
 class _Closest:
-    """The best that was seen where there was no room: by bead, the largest distance/least distance and the pair."""
+    """The best that was seen where there was no room: the largest distance/least distance, and the pair of species."""
 
     ratio: float = -1.0
     pair: tuple[int, int] = (-1, -1)
-    distance: float = 0.0
-    outside: int = field(default=0)
 
 
 class Packer:
@@ -110,7 +108,7 @@ class Packer:
             for order, (bead, parent) in enumerate(job.molecule.tree()):
                 done = self._grow(job, growing, order, bead, parent, result, numbers, closest)
                 stuck = np.setdiff1d(growing, done, assume_unique=True)
-                placed = [b for b, _ in job.molecule.tree()[:order]]
+                placed = np.array([b for b, _ in job.molecule.tree()[:order]], dtype=np.int64)
                 self._crowd.remove(numbers[np.ix_(stuck, placed)].ravel())
                 growing = done
             pending = np.setdiff1d(pending, growing, assume_unique=True)
@@ -176,7 +174,7 @@ class Packer:
         bonded: IntArray | None = None,
     ) -> NDArray[np.bool_]:
         """Return which candidates of ``size`` beads lie in the region and clear of the crowd (of ``bonded`` not)."""
-        inside = region.contains(places, self._crowd.cell).reshape(-1, size).all(axis=1)
+        inside: NDArray[np.bool_] = np.all(region.contains(places, self._crowd.cell).reshape(-1, size), axis=1)
         rows, numbers, ratios = self._crowd.conflicts(places, kinds)
         if bonded is not None:
             other = numbers != bonded[rows]
@@ -190,7 +188,7 @@ class Packer:
                 k = int(np.flatnonzero((rows // size == best) & (ratios == failed[best]))[0])
                 pair = int(kinds[rows[k]]), int(self._crowd.kinds(numbers[k : k + 1])[0])
                 closest.ratio, closest.pair = float(failed[best]), pair
-            inside = inside & ~np.isfinite(worst)
+            inside &= ~np.isfinite(worst)
         return inside
 
     def _against_each_other(self, places: FloatArray, kinds: IntArray) -> NDArray[np.bool_]:
