@@ -157,7 +157,7 @@ def build(
             steps (values other than the method only with units dpd).
         units: FIELD's energy unit.
         title: for all files.
-        seed: of all places.
+        seed: of all places, and the first of the three numbers of CONTROL's ``random_seed``.
 
     Raises:
         InputError: a setting of ``run`` or a unit cannot be read.
@@ -173,7 +173,7 @@ def build(
         length=length,
         rng=np.random.default_rng(seed),
         exclude=exclude_bonded,
-    ).build(molecules, pairs, neutralise, minimum_distance, _Header(title, units, mixing, dict(run or {})))
+    ).build(molecules, pairs, neutralise, minimum_distance, _Header(title, units, mixing, seed, dict(run or {})))
 
 
 @dataclass(frozen=True)
@@ -181,6 +181,7 @@ class _Header:
     title: str
     units: str
     mixing: str | None
+    seed: int
     run: Mapping[str, Any]
 
 
@@ -368,6 +369,7 @@ def _inside(positions: FloatArray, cell: FloatArray) -> FloatArray:
 
 def _control(header: _Header, cutoff: float, *, reduced: bool) -> Control:
     settings: dict[str, Any] = {"title": header.title, **_RUN, **_LENGTH, **(_REDUCED if reduced else {})}
+    settings["random_seed"] = (header.seed, 0, 0)
     if cutoff > 0.0:
         settings["cutoff"] = f"{cutoff!r} {'dpd_l' if reduced else 'ang'}"
     if header.mixing is not None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pydlpoly import InputError, Simulation, load
-from pydlpoly.build import Built
+from pydlpoly.build import Built, recipe
 from pydlpoly.build.recipe import build_recipe, example_recipe, example_recipes
 from pydlpoly.cli import main
 from pydlpoly.formats.control import effect_of
@@ -289,3 +289,11 @@ def test_the_command_writes_an_example_with_its_recipe(command, tmp_path: Path) 
     assert command("--list")[1].count("\n") == len(example_recipes())
     assert command()[0] == 2
     assert command("x.toml", "--example", "droplet")[0] == 2
+
+
+def test_every_key_is_documented() -> None:
+    page = (Path(__file__).resolve().parents[2] / "docs" / "build.md").read_text(encoding="utf-8")
+    tables = [getattr(recipe, name) for name in dir(recipe) if name.startswith("_") and name[1:].isupper()]
+    keys = {key for table in tables if isinstance(table, dict) for key in table}
+    assert {"title", "density", "mass", "spacing", "periods", "outside", "anion"} <= keys
+    assert [key for key in sorted(keys) if key not in page] == []
