@@ -112,10 +112,10 @@ def _in_file(name: str) -> Iterator[None]:
 
 def _build(table: Mapping[str, Any], seed: int | None) -> Built:
     _check(table, _TOP, "")
+    box = _check(table.get("box", {}), _BOX, "box")
     for required in ("box", "species", "molecules"):
         if required not in table:
             raise InputError("this table is missing", word=required)
-    box = _check(table["box"], _BOX, "box")
     shapes = [key for key in ("edge", "edges", "cell") if key in box]
     if len(shapes) != 1:
         raise InputError("give exactly one of edge, edges and cell", word="box")

@@ -165,6 +165,8 @@ def build(
             which molecule, and how close the last try came.
     """
     table = _species_table(species)
+    if seed < 0:
+        raise SceneError(f"a seed must not be negative, not {seed}", word="seed")
     return _Builder(
         cell=_cell(box),
         species=table,

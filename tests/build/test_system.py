@@ -85,6 +85,7 @@ def test_counter_ions_balance_the_charge_and_join_the_salt() -> None:
         (["C"], {"neutralise": ["A"]}, "'C': what fills the cell is charged; give its count"),
         ([Component(chain("m", "W2"), count=1)], {}, "bonds: 'W W': molecule m: no law for a bond between W and W"),
         (["W"], {"density": -1.0}, "'density': the density must lie above 0"),
+        (["W"], {"seed": -1}, "'seed': a seed must not be negative, not -1"),
         (["W"], {"box": "big"}, "box: 'big': expected an edge, three edges or three cell vectors"),
         (["W"], {"box": [5.0, -5.0, 5.0]}, "box: .*: the edges must lie above 0"),
         (["W"], {"box": [[1, 0, 0], [2, 0, 0], [0, 0, 1]]}, "the cell has no volume"),
