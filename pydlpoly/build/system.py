@@ -37,6 +37,7 @@ from pydlpoly.formats.config_writer import write_config
 from pydlpoly.formats.control import write_control
 from pydlpoly.formats.field_writer import write_field
 from pydlpoly.formats.from_python import control_from_mapping
+from pydlpoly.formats.lexing import WORD_LIMIT
 from pydlpoly.formats.records import Configuration, Control, Field, FloatArray
 from pydlpoly.units import energy_unit
 
@@ -333,6 +334,9 @@ def _species_table(species: Iterable[Species | str]) -> dict[str, Species]:
     table: dict[str, Species] = {}
     for given in species:
         kind = Species(given) if isinstance(given, str) else given
+        if not 1 <= len(kind.name) <= WORD_LIMIT or kind.name.split() != [kind.name] or kind.name == "*":
+            message = f"a species name has 1 to {WORD_LIMIT} characters and no blanks, and is not *"
+            raise SceneError(message, path="species", word=kind.name)
         if kind.name in table:
             raise SceneError("this species is given twice", path="species", word=kind.name)
         table[kind.name] = kind

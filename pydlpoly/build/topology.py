@@ -34,7 +34,11 @@ def names_of(key: Key, count: int, what: str) -> tuple[str, ...]:
     """
     if key == "*":
         return ()
-    names = tuple(key.replace("-", " ").split()) if isinstance(key, str) else tuple(key)
+    if isinstance(key, str):
+        # Names can hold a minus sign: it separates only where there are no blanks.
+        names = tuple(key.split() if len(key.split()) > 1 else key.strip().split("-"))
+    else:
+        names = tuple(key)
     if len(names) != count:
         raise SceneError(f"expected {count} species (as in {' '.join('ABC'[:count])!r}) or *", path=what, word=str(key))
     return names

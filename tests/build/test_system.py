@@ -63,7 +63,8 @@ def test_counter_ions_balance_the_charge_and_join_the_salt() -> None:
     [
         ([Component("W")], {}, "'W': give exactly one of count, fraction, concentration and fill"),
         ([Component("W", count=1, fill=True)], {}, "give exactly one of"),
-        ([Component("W", count=-1)], {}, "a count must not be negative, not -1"),
+        ([Component("W", count=-1)], {}, "a count is a whole number and not negative, not -1"),
+        ([Component("W", count=2.5)], {}, "a count is a whole number and not negative, not 2.5"),
         ([Component("W", fraction=1.5)], {}, "a fraction lies between 0 and 1, not at 1.5"),
         ([Component("W", fraction=0.5)], {"density": None}, "a fraction or fill needs the number density"),
         ([Component("W", concentration=1.0)], {}, "'length': a concentration needs the length unit in nm"),
@@ -89,6 +90,8 @@ def test_counter_ions_balance_the_charge_and_join_the_salt() -> None:
         (["W"], {"box": "big"}, "box: 'big': expected an edge, three edges or three cell vectors"),
         (["W"], {"box": [5.0, -5.0, 5.0]}, "box: .*: the edges must lie above 0"),
         (["W"], {"box": [[1, 0, 0], [2, 0, 0], [0, 0, 1]]}, "the cell has no volume"),
+        (["W"], {"species": ["W", "solvent_1"]}, "species: 'solvent_1': a species name has 1 to 8 characters"),
+        (["W"], {"species": ["W", "*"]}, "and is not \\*"),
         (["W"], {"species": ["W", "W"]}, "species: 'W': this species is given twice"),
         ([Component("W", count=1, shape="flat")], {}, "W: 'flat': a shape is grown or rigid"),
         ([Component("W", count=1, turn=200.0)], {}, "a turn lies between 0 and 180 degrees, not at 200"),
@@ -165,6 +168,13 @@ def test_pairs_in_all_forms() -> None:
         ("B", "B"): ("dpd", 25.0, 1.2, 9.0),
     }
     assert built.control.get("cutoff").value == 1.2
+
+
+def test_names_with_a_minus_sign() -> None:
+    parts = [Component("Cl-", count=9), Component("W", count=9)]
+    pairs = {"*": {"a": 25.0, "cutoff": 1.0, "drag": 4.5}, "Cl- W": 30.0}
+    built = build(box=5.0, species=["Cl-", "W"], molecules=parts, pairs=pairs)
+    assert next(line for line in built.field.pairs if line.species == ("Cl-", "W")).parameters[0] == 30.0
 
 
 def test_a_mixing_rule_in_place_of_pairs() -> None:
