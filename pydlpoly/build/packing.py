@@ -8,6 +8,7 @@ alone, so that a seed gives the same places with every release of numpy.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +52,23 @@ class _Closest:
 
     ratio: float = -1.0
     pair: tuple[int, int] = (-1, -1)
+
+
+class _Step(NamedTuple):
+    """One bead of a molecule that grows: the bead it hangs on, the one that hangs on, and its bond; -1 for none."""
+
+    bead: int
+    parent: int
+    before: int
+    length: float
+
+
+def _steps(job: Job) -> list[_Step]:
+    parents = {-1: -1, **dict(job.molecule.tree())}
+    return [
+        _Step(bead, parent, parents[parent], float(length))
+        for (bead, parent), length in zip(job.molecule.tree(), job.lengths, strict=True)
+    ]
 
 
 class Packer:
@@ -103,13 +121,15 @@ class Packer:
         numbers = np.zeros((job.count, size), dtype=np.int64)
         pending = np.arange(job.count)
         closest = _Closest()
+        steps = _steps(job)
+        placed = np.array([step.bead for step in steps], dtype=np.int64)
         for _ in range(_RESTARTS if size > 1 else 1):
             growing = pending
-            for order, (bead, parent) in enumerate(job.molecule.tree()):
-                done = self._grow(job, growing, order, bead, parent, result, numbers, closest)
+            for order, step in enumerate(steps):
+                done = self._grow(job, growing, step, result, numbers, closest)
                 stuck = np.setdiff1d(growing, done, assume_unique=True)
-                placed = np.array([b for b, _ in job.molecule.tree()[:order]], dtype=np.int64)
-                self._crowd.remove(numbers[np.ix_(stuck, placed)].ravel())
+                if len(stuck):
+                    self._crowd.remove(numbers[np.ix_(stuck, placed[:order])].ravel())
                 growing = done
             pending = np.setdiff1d(pending, growing, assume_unique=True)
             if not len(pending):
@@ -117,24 +137,16 @@ class Packer:
         raise self._no_room(job, len(pending), closest)
 
     def _grow(
-        self,
-        job: Job,
-        growing: IntArray,
-        order: int,
-        bead: int,
-        parent: int,
-        result: FloatArray,
-        numbers: IntArray,
-        closest: _Closest,
+        self, job: Job, growing: IntArray, step: _Step, result: FloatArray, numbers: IntArray, closest: _Closest
     ) -> IntArray:
         """Place one bead of each growing molecule; return the molecules that found a place."""
-        pending = growing
+        pending, bead, parent = growing, step.bead, step.parent
         kind = job.kinds[bead : bead + 1]
         for _ in range(_FIRST_TRIALS if parent < 0 else _TRIALS):
             if parent < 0:
                 trial = job.region.sample(len(pending), self._crowd.cell, self._rng)
             else:
-                trial = result[pending, parent] + job.lengths[order] * self._directions(job, pending, parent, result)
+                trial = result[pending, parent] + step.length * self._directions(job.turn, pending, step, result)
             bonded = numbers[pending, parent] if parent >= 0 else None
             kinds = np.repeat(kind, len(pending))
             good = self._free(trial, kinds, job.region, closest, 1, bonded)
@@ -147,15 +159,14 @@ class Packer:
                 break
         return np.setdiff1d(growing, pending, assume_unique=True)
 
-    def _directions(self, job: Job, pending: IntArray, parent: int, result: FloatArray) -> FloatArray:
+    def _directions(self, turn: float, pending: IntArray, step: _Step, result: FloatArray) -> FloatArray:
         """Return (n, 3) unit vectors, uniform within ``turn`` of the bond before."""
-        before = next((p for b, p in job.molecule.tree() if b == parent), -1)
         u = self._rng.random((len(pending), 2))
-        if before < 0 or job.turn >= np.pi:
+        if step.before < 0 or turn >= np.pi:
             return _spherical(1.0 - 2.0 * u[:, 0], 2.0 * np.pi * u[:, 1])
-        along = result[pending, parent] - result[pending, before]
+        along = result[pending, step.parent] - result[pending, step.before]
         along = along / np.linalg.norm(along, axis=1, keepdims=True)
-        local = _spherical(1.0 - u[:, 0] * (1.0 - np.cos(job.turn)), 2.0 * np.pi * u[:, 1])
+        local = _spherical(1.0 - u[:, 0] * (1.0 - np.cos(turn)), 2.0 * np.pi * u[:, 1])
         # Any two vectors that complete the bond to a right-handed frame will do: the angle around it is random.
         helper = np.where(np.abs(along[:, :1]) < 0.5, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
         first = np.cross(along, helper)

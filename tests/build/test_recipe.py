@@ -177,7 +177,7 @@ def test_the_seed_of_the_caller_counts(tmp_path: Path) -> None:
         ),
         (with_molecule('species = "A"\ncount = 1\nregion = {}'), r": 'molecules\[2\].region'", "exactly one of slab"),
         (with_molecule('species = "Q"\ncount = 1'), r": 'molecules\[2\].species.Q'", "is no species"),
-        (with_molecule('name = "x"\nsequence = "A("\ncount = 1'), r": 'molecules\[2\].sequence'", "in brackets is empty"),
+        (with_molecule('name = "x"\nsequence = "A("\ncount = 1'), r": 'molecules\[2\].sequence'", "is empty"),
         (with_molecule('species = "A"'), r": 'molecules\[2\]'", "molecule A: give exactly one of count, fraction"),
         (with_molecule('species = "A"\ncount = 999'), r": 'molecules\[1\]'", "molecule W: nothing is left to fill"),
         (WATER.replace('["harm", 50.0, 0.6]', "4.0"), r": 'bonds.\*'", "expected a law and its numbers"),
