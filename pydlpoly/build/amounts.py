@@ -150,9 +150,10 @@ def count_of(
         raise SceneError("give exactly one of count, fraction, concentration and fill", word=molecule.name)
     size = len(molecule.beads)
     if component.count is not None:
-        if component.count < 0:
-            raise SceneError(f"a count must not be negative, not {component.count}", word=molecule.name)
-        return component.count
+        if component.count != int(component.count) or component.count < 0:
+            message = f"a count is a whole number and not negative, not {component.count}"
+            raise SceneError(message, word=molecule.name)
+        return int(component.count)
     if component.concentration is not None:
         return molecules_of(component.concentration, volume, length)
     if density is None or total is None:

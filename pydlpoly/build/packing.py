@@ -7,7 +7,8 @@ alone, so that a seed gives the same places with every release of numpy.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,12 +48,27 @@ class Job:
 
 @dataclass
 class _Closest:
-    """The best that was seen where there was no room: by bead, the largest distance/least distance and the pair."""
+    """The best that was seen where there was no room: the largest distance/least distance, and the pair of species."""
 
     ratio: float = -1.0
     pair: tuple[int, int] = (-1, -1)
-    distance: float = 0.0
-    outside: int = field(default=0)
+
+
+class _Step(NamedTuple):
+    """One bead of a molecule that grows: the bead it hangs on, the one that hangs on, and its bond; -1 for none."""
+
+    bead: int
+    parent: int
+    before: int
+    length: float
+
+
+def _steps(job: Job) -> list[_Step]:
+    parents = {-1: -1, **dict(job.molecule.tree())}
+    return [
+        _Step(bead, parent, parents[parent], float(length))
+        for (bead, parent), length in zip(job.molecule.tree(), job.lengths, strict=True)
+    ]
 
 
 class Packer:
@@ -105,13 +121,15 @@ class Packer:
         numbers = np.zeros((job.count, size), dtype=np.int64)
         pending = np.arange(job.count)
         closest = _Closest()
+        steps = _steps(job)
+        placed = np.array([step.bead for step in steps], dtype=np.int64)
         for _ in range(_RESTARTS if size > 1 else 1):
             growing = pending
-            for order, (bead, parent) in enumerate(job.molecule.tree()):
-                done = self._grow(job, growing, order, bead, parent, result, numbers, closest)
+            for order, step in enumerate(steps):
+                done = self._grow(job, growing, step, result, numbers, closest)
                 stuck = np.setdiff1d(growing, done, assume_unique=True)
-                placed = [b for b, _ in job.molecule.tree()[:order]]
-                self._crowd.remove(numbers[np.ix_(stuck, placed)].ravel())
+                if len(stuck):
+                    self._crowd.remove(numbers[np.ix_(stuck, placed[:order])].ravel())
                 growing = done
             pending = np.setdiff1d(pending, growing, assume_unique=True)
             if not len(pending):
@@ -119,24 +137,16 @@ class Packer:
         raise self._no_room(job, len(pending), closest)
 
     def _grow(
-        self,
-        job: Job,
-        growing: IntArray,
-        order: int,
-        bead: int,
-        parent: int,
-        result: FloatArray,
-        numbers: IntArray,
-        closest: _Closest,
+        self, job: Job, growing: IntArray, step: _Step, result: FloatArray, numbers: IntArray, closest: _Closest
     ) -> IntArray:
         """Place one bead of each growing molecule; return the molecules that found a place."""
-        pending = growing
+        pending, bead, parent = growing, step.bead, step.parent
         kind = job.kinds[bead : bead + 1]
         for _ in range(_FIRST_TRIALS if parent < 0 else _TRIALS):
             if parent < 0:
                 trial = job.region.sample(len(pending), self._crowd.cell, self._rng)
             else:
-                trial = result[pending, parent] + job.lengths[order] * self._directions(job, pending, parent, result)
+                trial = result[pending, parent] + step.length * self._directions(job.turn, pending, step, result)
             bonded = numbers[pending, parent] if parent >= 0 else None
             kinds = np.repeat(kind, len(pending))
             good = self._free(trial, kinds, job.region, closest, 1, bonded)
@@ -149,15 +159,14 @@ class Packer:
                 break
         return np.setdiff1d(growing, pending, assume_unique=True)
 
-    def _directions(self, job: Job, pending: IntArray, parent: int, result: FloatArray) -> FloatArray:
+    def _directions(self, turn: float, pending: IntArray, step: _Step, result: FloatArray) -> FloatArray:
         """Return (n, 3) unit vectors, uniform within ``turn`` of the bond before."""
-        before = next((p for b, p in job.molecule.tree() if b == parent), -1)
         u = self._rng.random((len(pending), 2))
-        if before < 0 or job.turn >= np.pi:
+        if step.before < 0 or turn >= np.pi:
             return _spherical(1.0 - 2.0 * u[:, 0], 2.0 * np.pi * u[:, 1])
-        along = result[pending, parent] - result[pending, before]
+        along = result[pending, step.parent] - result[pending, step.before]
         along = along / np.linalg.norm(along, axis=1, keepdims=True)
-        local = _spherical(1.0 - u[:, 0] * (1.0 - np.cos(job.turn)), 2.0 * np.pi * u[:, 1])
+        local = _spherical(1.0 - u[:, 0] * (1.0 - np.cos(turn)), 2.0 * np.pi * u[:, 1])
         # Any two vectors that complete the bond to a right-handed frame will do: the angle around it is random.
         helper = np.where(np.abs(along[:, :1]) < 0.5, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
         first = np.cross(along, helper)
@@ -176,7 +185,7 @@ class Packer:
         bonded: IntArray | None = None,
     ) -> NDArray[np.bool_]:
         """Return which candidates of ``size`` beads lie in the region and clear of the crowd (of ``bonded`` not)."""
-        inside = region.contains(places, self._crowd.cell).reshape(-1, size).all(axis=1)
+        inside: NDArray[np.bool_] = np.all(region.contains(places, self._crowd.cell).reshape(-1, size), axis=1)
         rows, numbers, ratios = self._crowd.conflicts(places, kinds)
         if bonded is not None:
             other = numbers != bonded[rows]
@@ -190,7 +199,7 @@ class Packer:
                 k = int(np.flatnonzero((rows // size == best) & (ratios == failed[best]))[0])
                 pair = int(kinds[rows[k]]), int(self._crowd.kinds(numbers[k : k + 1])[0])
                 closest.ratio, closest.pair = float(failed[best]), pair
-            inside = inside & ~np.isfinite(worst)
+            inside &= ~np.isfinite(worst)
         return inside
 
     def _against_each_other(self, places: FloatArray, kinds: IntArray) -> NDArray[np.bool_]:

@@ -9,12 +9,13 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from pydlpoly.build.amounts import Component, Salt
+from pydlpoly.build.amounts import Component, Salt, as_molecule
 from pydlpoly.build.assembly import Bilayer, Lamella
 from pydlpoly.build.molecules import MoleculeType, Species, chain, comb, graph, lipid, ring, star
 from pydlpoly.build.regions import Cylinder, Outside, Region, Slab, Sphere
 from pydlpoly.build.system import Built, Part, build
-from pydlpoly.errors import InputError, suggest
+from pydlpoly.build.topology import species_named
+from pydlpoly.errors import InputError, SceneError, suggest
 from pydlpoly.formats.atomic import read_text
 
 if sys.version_info >= (3, 11):
@@ -111,22 +112,49 @@ def _in_file(name: str) -> Iterator[None]:
 
 def _build(table: Mapping[str, Any], seed: int | None) -> Built:
     _check(table, _TOP, "")
+    box = _check(table.get("box", {}), _BOX, "box")
     for required in ("box", "species", "molecules"):
         if required not in table:
             raise InputError("this table is missing", word=required)
-    box = _check(table["box"], _BOX, "box")
     shapes = [key for key in ("edge", "edges", "cell") if key in box]
     if len(shapes) != 1:
         raise InputError("give exactly one of edge, edges and cell", word="box")
+    species = [_species(name, values) for name, values in table["species"].items()]
+    parts = [_part(entry, f"molecules[{k}]", species) for k, entry in enumerate(table["molecules"], 1)]
+    with _in_molecules(parts):
+        return _made(table, box, box[shapes[0]], species, parts, seed)
+
+
+@contextmanager
+def _in_molecules(parts: Sequence[Part]) -> Iterator[None]:
+    """Name the table of a molecule where an error names the molecule alone."""
+    try:
+        yield
+    except InputError as error:
+        names = [as_molecule(part.molecule).name if hasattr(part, "molecule") else "" for part in parts]
+        if error.path or error.word not in names:
+            raise
+        place = f"molecules[{names.index(error.word) + 1}]"
+        raise type(error)(f"molecule {error.word}: {error.message}", word=place) from None
+
+
+def _made(
+    table: Mapping[str, Any],
+    box: Mapping[str, Any],
+    shape: Any,
+    species: list[Species],
+    parts: list[Part],
+    seed: int | None,
+) -> Built:
     bonds, exclude = _laws(table.get("bonds", {}), "bonds")
     pairs = dict(table.get("pairs", {}))
     mixing = pairs.pop("mixing", None)
     if mixing is not None and not isinstance(mixing, str):
         raise InputError("expected text", path="pairs", word="mixing")
     return build(
-        box=box[shapes[0]],
-        species=[_species(name, values) for name, values in table["species"].items()],
-        molecules=[_part(entry, f"molecules[{k}]") for k, entry in enumerate(table["molecules"], 1)],
+        box=shape,
+        species=species,
+        molecules=parts,
         pairs=pairs,
         bonds=bonds,
         angles=_laws(table.get("angles", {}), "angles")[0],
@@ -191,15 +219,18 @@ def _distances(given: Any) -> float | Mapping[str, float]:
     return table
 
 
-def _part(entry: Any, where: str) -> Part:
+def _part(entry: Any, where: str, species: Sequence[Species]) -> Part:
     table = _check(entry, {"name": _TEXT, **_WHAT, **_AMOUNT, **_HOW}, where)
     what = [key for key in _WHAT if key in table]
     if len(what) != 1:
         raise InputError(f"give exactly one of {', '.join(_WHAT)}", word=where)
     if what == ["salt"]:
         _only(table, ("salt",), where)
-        return Salt(**_required(table["salt"], _SALT, ("cation", "anion"), f"{where}.salt"))
+        salt = _required(table["salt"], _SALT, ("cation", "anion"), f"{where}.salt")
+        _known((salt["cation"], salt["anion"]), species, f"{where}.salt")
+        return Salt(**salt)
     molecule = _molecule(table, what[0], where)
+    _known(molecule.beads, species, f"{where}.{what[0]}")
     for layer, keys, make in (("bilayer", _BILAYER, Bilayer), ("lamella", _LAMELLA, Lamella)):
         if layer in table:
             _only(table, ("name", what[0], layer), where)
@@ -223,7 +254,15 @@ def _molecule(table: Mapping[str, Any], what: str, where: str) -> MoleculeType:
         "lipid": lambda: lipid(name, **_required(value, _LIPID, ("head", "tail"), place)),
         "graph": lambda: graph(name, **_required(value, _GRAPH, ("beads",), place)),
     }
-    return readers[what]()
+    try:
+        return readers[what]()
+    except SceneError as error:
+        raise SceneError(error.message, word=place) from None
+
+
+def _known(names: Sequence[str], species: Sequence[Species], where: str) -> None:
+    for name in names:
+        species_named(name, {kind.name: kind for kind in species}, where)
 
 
 def _required(table: Any, keys: Mapping[str, str], required: Sequence[str], where: str) -> Mapping[str, Any]:

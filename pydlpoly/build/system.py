@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,17 +19,13 @@ from pydlpoly.build.amounts import (
     counter_ions,
     ions_of,
 )
+from pydlpoly.build.arrange import Arranger, Entry, needed_density
 from pydlpoly.build.assembly import Bilayer, Lamella
-from pydlpoly.build.crowd import Crowd
-from pydlpoly.build.molecules import MoleculeType, Species, circle
-from pydlpoly.build.packing import Job, Packer
-from pydlpoly.build.regions import Everywhere, Outside, Region
+from pydlpoly.build.molecules import MoleculeType, Species
+from pydlpoly.build.regions import Everywhere
 from pydlpoly.build.topology import (
     Kind,
     Laws,
-    bond_lengths,
-    built_length,
-    law_of,
     least_distances,
     molecule_record,
     pair_records,
@@ -41,6 +37,7 @@ from pydlpoly.formats.config_writer import write_config
 from pydlpoly.formats.control import write_control
 from pydlpoly.formats.field_writer import write_field
 from pydlpoly.formats.from_python import control_from_mapping
+from pydlpoly.formats.lexing import WORD_LIMIT
 from pydlpoly.formats.records import Configuration, Control, Field, FloatArray
 from pydlpoly.units import energy_unit
 
@@ -57,7 +54,6 @@ _REDUCED = {"temperature": "1.0 dpd_temp", "timestep": "0.01 dpd_t"}
 _LENGTH = {"time_run": "2000 steps", "print_frequency": "200 steps", "stats_frequency": "20 steps"}
 # CONFIG has ten digits of each number; places are rounded to what it holds, so that files and records agree.
 _DIGITS, _DECIMALS = 10, 6
-_TURN_OF_STIFF = 60.0
 _NEUTRAL = 1e-6
 
 
@@ -78,7 +74,7 @@ class Built:
     counts: Mapping[str, int]
     density: float
     charge: float
-    warnings: tuple[str, ...] = field(default=())
+    warnings: tuple[str, ...] = ()
 
     def scene(self) -> Scene:
         """Return the scene. Raises SceneError where a file with the same content would be refused."""
@@ -107,7 +103,7 @@ class Built:
 
         scene = self.scene()
         atoms = atoms_from_state(scene)
-        atoms.set_array("molecules", np.array(scene.beads.molecule))
+        atoms.arrays["molecules"] = np.array(scene.beads.molecule)
         terms = scene.bonded.terms if scene.bonded is not None else ()
         bonds = [np.asarray(term.beads, dtype=np.int64) for term in terms if term.kind == "bond"]
         atoms.info["bonds"] = np.concatenate(bonds) if bonds else np.zeros((0, 2), dtype=np.int64)
@@ -162,7 +158,7 @@ def build(
             steps (values other than the method only with units dpd).
         units: FIELD's energy unit.
         title: for all files.
-        seed: of all places.
+        seed: of all places, and the first of the three numbers of CONTROL's ``random_seed``.
 
     Raises:
         InputError: a setting of ``run`` or a unit cannot be read.
@@ -170,6 +166,8 @@ def build(
             which molecule, and how close the last try came.
     """
     table = _species_table(species)
+    if seed < 0:
+        raise SceneError(f"a seed must not be negative, not {seed}", word="seed")
     return _Builder(
         cell=_cell(box),
         species=table,
@@ -178,7 +176,7 @@ def build(
         length=length,
         rng=np.random.default_rng(seed),
         exclude=exclude_bonded,
-    ).build(molecules, pairs, neutralise, minimum_distance, _Header(title, units, mixing, dict(run or {})))
+    ).build(molecules, pairs, neutralise, minimum_distance, _Header(title, units, mixing, seed, dict(run or {})))
 
 
 @dataclass(frozen=True)
@@ -186,17 +184,8 @@ class _Header:
     title: str
     units: str
     mixing: str | None
+    seed: int
     run: Mapping[str, Any]
-
-
-@dataclass
-class _Entry:
-    """A kind of molecules with their number, and how they are placed."""
-
-    molecule: MoleculeType
-    count: int
-    how: Component | Bilayer | Lamella
-    places: FloatArray = field(default_factory=lambda: np.zeros((0, 0, 3)))
 
 
 @dataclass
@@ -229,17 +218,22 @@ class _Builder:
             for name in entry.molecule.beads:
                 species_named(name, self.species, entry.molecule.name)
         mixing = header.mixing is not None or "vdw_mix_method" in header.run
-        vdw, cutoff = pair_records(pairs, names, mixing=mixing)
-        self._place(entries, names, least_distances(minimum_distance, names))
+        vdw, cutoff = pair_records(pairs, names, self.species, mixing=mixing)
+        least = least_distances(minimum_distance, names, self.species)
+        # Rounding moves beads a little towards each other.
+        margin = 2.0 * 10.0 ** -self._decimals()
+        Arranger(self.cell, names, self.laws, self.density, self.rng).place(
+            entries, np.where(least > 0.0, least + margin, 0.0)
+        )
         return self._records(entries, vdw, cutoff, header)
 
     # -- How many -----------------------------------------------------------------------------------------------------
 
-    def _entries(self, parts: Sequence[Part], neutralise: Sequence[MoleculeType | str]) -> list[_Entry]:
+    def _entries(self, parts: Sequence[Part], neutralise: Sequence[MoleculeType | str]) -> list[Entry]:
         if not parts:
             raise SceneError("there are no molecules", path="molecules")
-        entries: list[_Entry] = []
-        rest: _Entry | None = None
+        entries: list[Entry] = []
+        rest: Entry | None = None
         for part in parts:
             for component in self._expanded(part):
                 entry = self._entry(component)
@@ -268,23 +262,20 @@ class _Builder:
             return (Component(part, fill=True),)
         return (part,)
 
-    def _entry(self, how: Component | Bilayer | Lamella) -> _Entry:
+    def _entry(self, how: Component | Bilayer | Lamella) -> Entry:
         """Return the entry with its count, -1 for what fills the cell."""
         molecule = as_molecule(how.molecule)
         if isinstance(how, Bilayer):
-            return _Entry(molecule, 2 * how.leaflet(self.cell), how)
+            return Entry(molecule, 2 * how.leaflet(self.cell), how)
         if isinstance(how, Lamella):
-            return _Entry(molecule, 2 * how.periods * how.per_layer(self.cell, self._dense(molecule)), how)
+            return Entry(
+                molecule, 2 * how.periods * how.per_layer(self.cell, needed_density(self.density, molecule)), how
+            )
         volume = self.volume if how.region is None else how.region.volume(self.cell)
         count = count_of(how, self.total, self.density, volume, self.length)
-        return _Entry(molecule, -1 if count is None else count, how)
+        return Entry(molecule, -1 if count is None else count, how)
 
-    def _dense(self, molecule: MoleculeType) -> float:
-        if self.density is None:
-            raise SceneError("a layer needs the number density", word=molecule.name)
-        return self.density
-
-    def _fill(self, rest: _Entry, entries: Sequence[_Entry]) -> None:
+    def _fill(self, rest: Entry, entries: Sequence[Entry]) -> None:
         beads = sum(entry.count * len(entry.molecule.beads) for entry in entries if entry is not rest)
         left = (self.total or 0) - beads
         if left < 0:
@@ -292,130 +283,20 @@ class _Builder:
             raise SceneError(f"{message}{beads} are taken", word=rest.molecule.name)
         rest.count = left // len(rest.molecule.beads)
 
-    def _check_names(self, entries: Sequence[_Entry]) -> None:
+    def _decimals(self) -> int:
+        whole = len(str(int(np.abs(self.cell).sum(axis=0).max())))
+        return max(0, min(_DECIMALS, _DIGITS - whole))
+
+    def _check_names(self, entries: Sequence[Entry]) -> None:
         known: dict[str, MoleculeType] = {}
         for entry in entries:
             if known.setdefault(entry.molecule.name, entry.molecule) != entry.molecule:
                 raise SceneError("two unlike molecules have this name", path="molecules", word=entry.molecule.name)
 
-    # -- Where --------------------------------------------------------------------------------------------------------
-
-    def _place(self, entries: Sequence[_Entry], names: tuple[str, ...], least: FloatArray) -> None:
-        """Give every entry its places: what is laid out, then what has a region or a number, then what fills."""
-        # Rounding moves beads a little towards each other.
-        margin = 2.0 * 10.0 ** -self._decimals()
-        crowd = Crowd(self.cell, np.where(least > 0.0, least + margin, 0.0))
-        packer = Packer(crowd, names, self.rng)
-        numbers = {name: k for k, name in enumerate(names)}
-        taken: list[Region] = []
-        for entry in entries:
-            if not isinstance(entry.how, Component):
-                taken += self._lay_out(entry, crowd, numbers, names)
-            elif entry.how.fill and entry.how.region is not None:
-                taken.append(entry.how.region)
-        drawn = [entry for entry in entries if isinstance(entry.how, Component)]
-        drawn.sort(key=lambda entry: isinstance(entry.how, Component) and entry.how.fill and entry.how.region is None)
-        for entry in drawn:
-            entry.places = packer.place(self._job(entry, numbers, taken, least, names))
-
-    def _lay_out(self, entry: _Entry, crowd: Crowd, numbers: Mapping[str, int], names: tuple[str, ...]) -> list[Region]:
-        """Place the molecules of layers; return the region that they keep for themselves."""
-        lengths = bond_lengths(entry.molecule, self.laws["bonds"], self._spacing())
-        regions: list[Region] = []
-        if isinstance(entry.how, Bilayer):
-            longest = float(lengths[1:].min(initial=self._spacing()))
-            pitch = entry.how.pitch(self.cell, self._dense(entry.molecule), longest)
-            regions.append(entry.how.region(self.cell, pitch))
-            entry.places = entry.how.place(self.cell, pitch, lengths, self.rng)
-        elif isinstance(entry.how, Lamella):
-            entry.places = entry.how.place(self.cell, self._dense(entry.molecule), lengths, self.rng)
-        kinds = np.tile(np.array([numbers[name] for name in entry.molecule.beads], dtype=np.int64), entry.count)
-        beads = entry.places.reshape(-1, 3)
-        rows, others, ratios = crowd.conflicts(beads, kinds)
-        self._check_layer(entry, rows, others, ratios, crowd, kinds, names)
-        first = crowd.add(beads, kinds)[0] if crowd.matters else 0
-        rows, others, ratios = crowd.conflicts(beads, kinds)
-        size = len(entry.molecule.beads)
-        apart = rows // size != (others - first) // size
-        self._check_layer(entry, rows[apart], others[apart], ratios[apart], crowd, kinds, names)
-        return regions
-
-    def _check_layer(
-        self, entry: _Entry, rows: Any, others: Any, ratios: FloatArray, crowd: Crowd, kinds: Any, names: Sequence[str]
-    ) -> None:
-        if not len(ratios):
-            return
-        worst = int(ratios.argmin())
-        first, second = int(kinds[rows[worst]]), int(crowd.kinds(others[worst : worst + 1])[0])
-        least = float(crowd.least[first, second])
-        message = (
-            f"in this layer beads {names[first]} and {names[second]} come as close as {ratios[worst] * least:.3g}, "
-        )
-        raise SceneError(f"{message}and the least distance asked for is {least:.5g}", word=entry.molecule.name)
-
-    def _job(
-        self, entry: _Entry, numbers: Mapping[str, int], taken: Sequence[Region], least: FloatArray, names: Any
-    ) -> Job:
-        how, molecule = entry.how, entry.molecule
-        assert isinstance(how, Component)
-        kinds = np.array([numbers[name] for name in molecule.beads], dtype=np.int64)
-        region = how.region
-        if region is None:
-            region = Outside(tuple(taken)) if how.fill and taken else Everywhere()
-        molecule = self._shaped(how, molecule)
-        if molecule.places is None or how.shape == "rigid":
-            lengths = (
-                np.zeros(0)
-                if entry.molecule.closed or entry.molecule.places is not None
-                else (bond_lengths(entry.molecule, self.laws["bonds"], self._spacing()))
-            )
-        else:
-            lengths = np.zeros(0)
-        job = Job(molecule, entry.count, kinds, lengths, region, self._turn(how, molecule))
-        if how.shape == "rigid" and molecule.places is None:
-            walk = Packer(Crowd(self.cell, least), names, self.rng).place(replace(job, count=1, region=Everywhere()))[0]
-            job = replace(job, molecule=replace(molecule, places=tuple((x, y, z) for x, y, z in walk.tolist())))
-        return job
-
-    def _shaped(self, how: Component, molecule: MoleculeType) -> MoleculeType:
-        """Return the molecule with the places of a circle when it is a ring."""
-        if how.shape not in (None, "grown", "rigid"):
-            raise SceneError("a shape is grown or rigid", path=molecule.name, word=str(how.shape))
-        if molecule.places is not None or molecule.closed:
-            if how.shape == "grown":
-                message = "rings and molecules with places of their own cannot be grown; they are rigid"
-                raise SceneError(message, word=molecule.name)
-            if molecule.places is None:
-                laws, spacing = self.laws["bonds"], self._spacing()
-                ends = [tuple(molecule.beads[k] for k in bond) for bond in molecule.bonds]
-                lengths = {built_length(pair, laws, molecule.name, spacing) for pair in ends}
-                if len(lengths) > 1:
-                    raise SceneError("a ring of bonds of unlike lengths needs places", word=molecule.name)
-                return replace(molecule, places=circle(len(molecule.beads), lengths.pop()))
-        return molecule
-
-    def _turn(self, how: Component, molecule: MoleculeType) -> float:
-        turn = how.turn
-        if turn is None:
-            threes = {tuple(molecule.beads[k] for k in beads) for beads in molecule.angles}
-            stiff = any(law_of("angles", three, self.laws["angles"], molecule.name) for three in threes)
-            turn = _TURN_OF_STIFF if stiff else 180.0
-        if not 0.0 <= turn <= 180.0:
-            raise SceneError(f"a turn lies between 0 and 180 degrees, not at {turn:g}", word=molecule.name)
-        return float(np.deg2rad(turn))
-
-    def _spacing(self) -> float:
-        """Return the mean distance of beads, the length of bonds without one of their own."""
-        return float((1.0 / (self.density or 3.0)) ** (1.0 / 3.0))
-
-    def _decimals(self) -> int:
-        whole = len(str(int(np.abs(self.cell).sum(axis=0).max())))
-        return max(0, min(_DECIMALS, _DIGITS - whole))
-
     # -- Records ------------------------------------------------------------------------------------------------------
 
-    def _records(self, entries: Sequence[_Entry], vdw: Any, cutoff: float, header: _Header) -> Built:
-        grouped: dict[str, list[_Entry]] = {}
+    def _records(self, entries: Sequence[Entry], vdw: Any, cutoff: float, header: _Header) -> Built:
+        grouped: dict[str, list[Entry]] = {}
         for entry in entries:
             grouped.setdefault(entry.molecule.name, []).append(entry)
         molecules, names, places = [], [], []
@@ -428,7 +309,7 @@ class _Builder:
         if not len(positions):
             raise SceneError("there are no beads: every count is 0", path="molecules")
         charge = sum(m.count * sum(a.charge * a.repeat for a in m.atoms) for m in molecules)
-        warnings = ()
+        warnings: tuple[str, ...] = ()
         if abs(charge) > _NEUTRAL:
             warnings = (f"the charges add up to {charge:+g}; neutralise names ions to balance them",)
         units = energy_unit(header.units, path="units")
@@ -453,6 +334,9 @@ def _species_table(species: Iterable[Species | str]) -> dict[str, Species]:
     table: dict[str, Species] = {}
     for given in species:
         kind = Species(given) if isinstance(given, str) else given
+        if not 1 <= len(kind.name) <= WORD_LIMIT or kind.name.split() != [kind.name] or kind.name == "*":
+            message = f"a species name has 1 to {WORD_LIMIT} characters and no blanks, and is not *"
+            raise SceneError(message, path="species", word=kind.name)
         if kind.name in table:
             raise SceneError("this species is given twice", path="species", word=kind.name)
         table[kind.name] = kind
@@ -491,6 +375,7 @@ def _inside(positions: FloatArray, cell: FloatArray) -> FloatArray:
 
 def _control(header: _Header, cutoff: float, *, reduced: bool) -> Control:
     settings: dict[str, Any] = {"title": header.title, **_RUN, **_LENGTH, **(_REDUCED if reduced else {})}
+    settings["random_seed"] = (header.seed, 0, 0)
     if cutoff > 0.0:
         settings["cutoff"] = f"{cutoff!r} {'dpd_l' if reduced else 'ang'}"
     if header.mixing is not None:

@@ -22,9 +22,7 @@ _KINDS: tuple[Kind, ...] = get_args(Kind)
 _MEMBERS = {"bonds": 2, "angles": 3}
 # Parameters of the dpd law in FIELD's order, under the names that tables use.
 _DPD = ("a", "cutoff", "drag")
-# Bonds without a length of their own are built with the mean distance of beads times this.
-_SPACING = 1.0
-# ... and FENE bonds at most so far stretched.
+# FENE bonds are built at most so far stretched.
 _OF_FENE = 0.5
 
 
@@ -36,7 +34,11 @@ def names_of(key: Key, count: int, what: str) -> tuple[str, ...]:
     """
     if key == "*":
         return ()
-    names = tuple(key.replace("-", " ").split()) if isinstance(key, str) else tuple(key)
+    if isinstance(key, str):
+        # Names can hold a minus sign: it separates only where there are no blanks.
+        names = tuple(key.split() if len(key.split()) > 1 else key.strip().split("-"))
+    else:
+        names = tuple(key)
     if len(names) != count:
         raise SceneError(f"expected {count} species (as in {' '.join('ABC'[:count])!r}) or *", path=what, word=str(key))
     return names
@@ -161,38 +163,38 @@ def built_length(names: tuple[str, ...], laws: Laws, molecule: str, spacing: flo
     record = None if law is None else _law_record("bonds", law[0])
     if law is None or record is None:
         return spacing
-    numbers = dict(zip(record.parameter_names, law[1], strict=False))
+    numbers: dict[str, float] = dict(zip(record.parameter_names, law[1], strict=False))
     if numbers.get("r0", 0.0) > 0.0:
         return numbers["r0"]
     if numbers.get("R0", 0.0) > 0.0:
         return min(spacing, numbers.get("D", 0.0) + _OF_FENE * numbers["R0"])
-    return _SPACING * spacing
+    return spacing
 
 
 def pair_records(
-    pairs: Mapping[Any, Any], species: Iterable[str], *, mixing: bool = False
+    pairs: Mapping[Any, Any], used: Iterable[str], species: Iterable[str], *, mixing: bool = False
 ) -> tuple[tuple[PairLine, ...], float]:
     """Return FIELD's ``vdw`` records for a table of pairs, and the longest cutoff of the dpd laws in it (0: none).
 
     Args:
         pairs: by species, a law with its numbers ``("dpd", 25.0, 1.0, 4.5)``, or a mapping with a, cutoff and drag of
             the dpd law, or a alone; ``"*"`` for all pairs not given, and for the numbers that a mapping leaves out.
-        species: names of the species that are used.
+        used: names of the species that the molecules have, in FIELD's order.
+        species: names of all species; laws for those that are not used are left out.
         mixing: pairs that are not given are left to a mixing rule.
 
     Raises:
         SceneError: a pair without a law, an unknown species or word, or numbers that are missing.
     """
-    names = list(species)
+    names, known = list(used), list(species)
     default = pairs.get("*")
     given: dict[tuple[str, str], Sequence[str | float]] = {}
     for key, value in pairs.items():
         pair = names_of(key, 2, "pairs")
         for name in pair:
-            if name not in names:
-                message = f"{name} is no species of any molecule{suggest(name, names)}"
-                raise SceneError(message, path="pairs", word=str(key))
-        if pair:
+            if name not in known:
+                raise SceneError(f"{name} is no species{suggest(name, known)}", path="pairs", word=str(key))
+        if pair and all(name in names for name in pair):
             first, second = sorted(pair, key=names.index)
             if (first, second) in given:
                 raise SceneError("this pair is given twice", path="pairs", word=f"{first} {second}")
@@ -227,25 +229,23 @@ def _pair_law(value: Any, default: Any, word: str) -> Sequence[str | float]:
     return ("dpd", *(merged[name] for name in _DPD if name in merged))
 
 
-def least_distances(given: float | Mapping[Any, float], names: Sequence[str]) -> FloatArray:
-    """Return (species, species) least distances from one number, or from a table by pairs with ``"*"`` for the others.
+def least_distances(given: float | Mapping[Any, float], used: Sequence[str], species: Iterable[str]) -> FloatArray:
+    """Return (used, used) least distances from one number, or from a table by pairs with ``"*"`` for the others.
 
     Raises:
         SceneError: an unknown species or a negative distance.
     """
     table = given if isinstance(given, Mapping) else {"*": given}
-    result = np.full((len(names), len(names)), float(table.get("*", 0.0)))
+    numbers, known, where = {name: k for k, name in enumerate(used)}, list(species), "minimum_distance"
+    result = np.full((len(numbers), len(numbers)), float(table.get("*", 0.0)))
     for key, value in table.items():
         if not float(value) >= 0.0:
-            raise SceneError(
-                f"a least distance must not be negative, not {value}", path="minimum_distance", word=str(key)
-            )
-        for name in names_of(key, 2, "minimum_distance"):
-            if name not in names:
-                raise SceneError(
-                    f"is no species of any molecule{suggest(name, names)}", path="minimum_distance", word=name
-                )
-        if key != "*":
-            i, j = (list(names).index(name) for name in names_of(key, 2, "minimum_distance"))
+            raise SceneError(f"a least distance must not be negative, not {value}", path=where, word=str(key))
+        pair = names_of(key, 2, where)
+        for name in pair:
+            if name not in known:
+                raise SceneError(f"{name} is no species{suggest(name, known)}", path=where, word=str(key))
+        if pair and all(name in numbers for name in pair):
+            i, j = (numbers[name] for name in pair)
             result[i, j] = result[j, i] = float(value)
     return result

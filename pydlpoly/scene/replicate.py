@@ -22,8 +22,8 @@ def replicate(field: Field, config: Configuration, counts: Sequence[int]) -> tup
     """Return FIELD with counts times as many molecules, and CONFIG repeated so often along its cell vectors.
 
     Molecules that a face of the cell cuts are made whole first, so that each copy's beads belong together in the larger
-    cell. The origin stays the centre of the cell. Velocities and forces are repeated, too. The copies of a molecule type
-    stay together: image after image, each in the order of CONFIG.
+    cell. The origin stays the centre of the cell. Velocities and forces are repeated, too. The copies of a molecule
+    type stay together: image after image, each in the order of CONFIG.
 
     Args:
         field: the molecules.

@@ -108,6 +108,9 @@ def test_lamellae_put_like_ends_together(periods: int) -> None:
     thickness = period / 2
     in_a = (along < thickness * 3 / 8) | (along > period - thickness * 3 / 8)
     assert (in_a == is_a).all()
+    layers = np.bincount(((built.config.positions[:, 2] + 4.0) / thickness).astype(int))
+    assert (layers == layers[0]).all(), "every layer is filled"
+    assert len(layers) == 2 * periods
     assert bond_lengths(built) == pytest.approx(np.full(len(bonds(built)), 3.0 ** (-1 / 3)), abs=2e-6)
 
 

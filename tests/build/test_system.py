@@ -63,7 +63,8 @@ def test_counter_ions_balance_the_charge_and_join_the_salt() -> None:
     [
         ([Component("W")], {}, "'W': give exactly one of count, fraction, concentration and fill"),
         ([Component("W", count=1, fill=True)], {}, "give exactly one of"),
-        ([Component("W", count=-1)], {}, "a count must not be negative, not -1"),
+        ([Component("W", count=-1)], {}, "a count is a whole number and not negative, not -1"),
+        ([Component("W", count=2.5)], {}, "a count is a whole number and not negative, not 2.5"),
         ([Component("W", fraction=1.5)], {}, "a fraction lies between 0 and 1, not at 1.5"),
         ([Component("W", fraction=0.5)], {"density": None}, "a fraction or fill needs the number density"),
         ([Component("W", concentration=1.0)], {}, "'length': a concentration needs the length unit in nm"),
@@ -85,9 +86,12 @@ def test_counter_ions_balance_the_charge_and_join_the_salt() -> None:
         (["C"], {"neutralise": ["A"]}, "'C': what fills the cell is charged; give its count"),
         ([Component(chain("m", "W2"), count=1)], {}, "bonds: 'W W': molecule m: no law for a bond between W and W"),
         (["W"], {"density": -1.0}, "'density': the density must lie above 0"),
+        (["W"], {"seed": -1}, "'seed': a seed must not be negative, not -1"),
         (["W"], {"box": "big"}, "box: 'big': expected an edge, three edges or three cell vectors"),
         (["W"], {"box": [5.0, -5.0, 5.0]}, "box: .*: the edges must lie above 0"),
         (["W"], {"box": [[1, 0, 0], [2, 0, 0], [0, 0, 1]]}, "the cell has no volume"),
+        (["W"], {"species": ["W", "solvent_1"]}, "species: 'solvent_1': a species name has 1 to 8 characters"),
+        (["W"], {"species": ["W", "*"]}, "and is not \\*"),
         (["W"], {"species": ["W", "W"]}, "species: 'W': this species is given twice"),
         ([Component("W", count=1, shape="flat")], {}, "W: 'flat': a shape is grown or rigid"),
         ([Component("W", count=1, turn=200.0)], {}, "a turn lies between 0 and 180 degrees, not at 200"),
@@ -98,12 +102,12 @@ def test_counter_ions_balance_the_charge_and_join_the_salt() -> None:
         ([Component("W", fill=True, region=Slab(1.0, 2.0, "u"))], {}, "'u': an axis is x, y or z"),
         (["W"], {"pairs": {}}, "pairs: no law for W W; give one for \\*, or a mixing rule"),
         (["W"], {"pairs": {"W": 1.0}}, "pairs: 'W': expected 2 species \\(as in 'A B'\\) or \\*"),
-        (["W"], {"pairs": {"W Q": 1.0, **PAIRS}}, "pairs: 'W Q': Q is no species of any molecule"),
+        (["W"], {"pairs": {"W Q": 1.0, **PAIRS}}, "pairs: 'W Q': Q is no species"),
         (["W"], {"pairs": {"W W": {"b": 1.0}}}, "b is not known; expected a, cutoff, drag"),
         (["W"], {"pairs": {"W W": {"a": 1.0}}}, "pairs: 'W W': cutoff is missing here and in \\*"),
         (["W"], {"pairs": {"W W": "dpd"}}, "expected a law with its numbers, or a, cutoff and drag"),
         (["W"], {"pairs": {"W W": 1, ("W", "W"): 2, **PAIRS}}, "pairs: 'W W': this pair is given twice"),
-        (["W"], {"minimum_distance": {"W Q": 1.0}}, "minimum_distance: 'Q': is no species of any molecule"),
+        (["W"], {"minimum_distance": {"W Q": 1.0}}, "minimum_distance: 'W Q': Q is no species"),
         (["W"], {"minimum_distance": -1.0}, "a least distance must not be negative, not -1.0"),
         (["W"], {"minimum_distance": 6.0}, "a least distance of 6.* is larger than the cell's width 5"),
     ],
@@ -164,6 +168,13 @@ def test_pairs_in_all_forms() -> None:
         ("B", "B"): ("dpd", 25.0, 1.2, 9.0),
     }
     assert built.control.get("cutoff").value == 1.2
+
+
+def test_names_with_a_minus_sign() -> None:
+    parts = [Component("Cl-", count=9), Component("W", count=9)]
+    pairs = {"*": {"a": 25.0, "cutoff": 1.0, "drag": 4.5}, "Cl- W": 30.0}
+    built = build(box=5.0, species=["Cl-", "W"], molecules=parts, pairs=pairs)
+    assert next(line for line in built.field.pairs if line.species == ("Cl-", "W")).parameters[0] == 30.0
 
 
 def test_a_mixing_rule_in_place_of_pairs() -> None:

@@ -139,7 +139,7 @@ def test_a_slab_is_repeated_sideways() -> None:
 
 def test_a_molecule_without_ends_is_refused() -> None:
     """Four beads in a row through the whole cell, the last one bonded to the image of the first."""
-    made = build(box=4.0, species="A", molecules=[Component(chain("c", "A4"), count=1)], pairs=PAIRS, bonds=BONDS)
+    made = build(box=4.0, species="AB", molecules=[Component(chain("c", "A4"), count=1)], pairs=PAIRS, bonds=BONDS)
     (molecule,) = made.field.molecules
     (block,) = molecule.blocks
     closing = replace(block.lines[0], beads=(4, 1))
