@@ -1,4 +1,4 @@
-"""The command line: ``pydlpoly run | check | explain | convert | build | bench | tradeoff``.
+"""The command line: ``pydlpoly run | check | explain | convert | build | bench | tradeoff | analyse``.
 
 Exit codes: 0 done, 1 the input was refused, 2 wrong usage, 3 the run stopped being physical, 130 interrupted by Ctrl-C
 or SIGTERM (after writing the checkpoint). ``tradeoff`` has two more: 4 its budget was too short to recommend anything,
@@ -19,6 +19,7 @@ from typing import Annotated, NoReturn, cast, get_args
 import typer
 
 from pydlpoly import __version__
+from pydlpoly.analysis.cli import analyse_command
 from pydlpoly.bench.cli import bench
 from pydlpoly.build.cli import build
 from pydlpoly.conversion import convert_folder
@@ -86,7 +87,7 @@ def run(
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress bar and no closing words.")] = False,
     lenient: Lenient = False,
 ) -> None:
-    """Run a simulation and write OUTPUT, STATIS, DIAGNOSTICS, HISTORY, RDFDAT, REVCON and the checkpoint."""
+    """Run a simulation and write OUTPUT, STATIS, HISTORY, averages, REVCON and the checkpoint, as CONTROL asks."""
     if resume and seed is not None:
         raise typer.BadParameter("a run that continues keeps the seed of its checkpoint", param_hint="--seed")
     try:
@@ -246,6 +247,7 @@ def tradeoff(
 
 app.command()(build)
 app.command()(bench)
+app.command("analyse")(analyse_command)
 
 
 def example_names() -> list[str]:

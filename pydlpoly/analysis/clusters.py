@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from pydlpoly.analysis.frames import Analysis, Mean, beads_of
 from pydlpoly.analysis.molecules import Molecules, molecule_numbers
@@ -80,6 +78,9 @@ class ClusterSizes(Analysis[Clusters]):
 
     def labels(self, frame: Frame) -> NDArray[np.int64]:
         """Return the number of its cluster for every bead chosen, or for every molecule, (n,)."""
+        from scipy.sparse import coo_matrix  # half a second to import, of every command
+        from scipy.sparse.csgraph import connected_components
+
         beads = np.arange(len(frame.positions))
         if self._species:
             beads = np.concatenate([beads_of(frame, name) for name in self._species])

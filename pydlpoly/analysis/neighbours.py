@@ -6,7 +6,6 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from pydlpoly.analysis.frames import fractional, periodic_axes, widths
 from pydlpoly.formats.history_reader import Frame
@@ -23,6 +22,8 @@ def distance_counts(frame: Frame, first: NDArray[np.int64], second: NDArray[np.i
         first, second: bead ids.
         edges: ascending distances, from 0 on.
     """
+    from scipy.spatial import cKDTree  # half a second to import, of every command
+
     places = _inside(frame)
     around, _ = _with_images(frame, places[second], float(edges[-1]))
     below = cKDTree(places[first]).count_neighbors(cKDTree(around), edges)
@@ -31,6 +32,8 @@ def distance_counts(frame: Frame, first: NDArray[np.int64], second: NDArray[np.i
 
 def pairs_within(frame: Frame, beads: NDArray[np.int64], reach: float) -> NDArray[np.int64]:
     """Return pairs of places in ``beads``, (n, 2), of which any two images are not farther apart than ``reach``."""
+    from scipy.spatial import cKDTree  # as above
+
     around, owner = _with_images(frame, _inside(frame)[beads], reach)
     pairs = cKDTree(around).query_pairs(reach, output_type="ndarray").astype(np.int64)
     pairs = pairs[(pairs < len(beads)).any(axis=1)]  # both images: the same pair is there inside the cell, too

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from tempfile import TemporaryFile
+from weakref import finalize
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ class Spool:
     def __init__(self) -> None:
         """Start without frames."""
         self._file = TemporaryFile()  # noqa: SIM115 # it lives as long as this object
+        finalize(self, self._file.close)
         self.frames, self.beads = 0, 0
 
     def append(self, vectors: FloatArray) -> None:

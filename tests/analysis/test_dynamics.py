@@ -51,7 +51,7 @@ def test_random_walk_has_its_diffusion_coefficient() -> None:
     # One bead's slope over windows of 10 out of 400 is good to about √(2/3 · 10/400): ± 0.003 with 200 beads.
     assert 0.0005 < found.diffusion_error[0] < 0.01
     pull = (found.msd[0, 1:] - 6 * exact * found.times[1:]) / found.error[0, 1:]
-    assert np.mean(pull**2) < 4.0
+    assert np.abs(pull).max() < 4.0
 
 
 def test_error_of_the_diffusion_coefficient_is_honest() -> None:
@@ -114,7 +114,7 @@ def test_velocities_of_langevin_beads() -> None:
     assert found.at_origin[0] == pytest.approx(3.0, rel=0.02)
     whole = 0.5 * spacing * (1 + keep) / (1 - keep) * (1 - np.exp(-rate * 2.0))  # the sum, for the trapezoidal rule
     assert abs(found.diffusion[0, -1] - whole) < 3.5 * found.diffusion_error[0, -1]
-    assert found.diffusion_error[0, -1] < 0.01
+    assert found.diffusion_error[0, -1] < 0.02
 
 
 def test_what_cannot_be_analysed_is_refused() -> None:

@@ -56,7 +56,7 @@ def test_universe_has_the_scenes_beads_and_bonds(lipids: tuple[pydlpoly.Scene, P
 
 
 def test_radial_distribution(lipids: tuple[pydlpoly.Scene, Path]) -> None:
-    """Single precision moves a few pairs to the next bin; InterRDF counts N² pairs of like beads where we count N (N − 1)."""
+    """Single precision moves a few pairs to the next bin; InterRDF takes N² pairs of like beads, we N (N − 1)."""
     scene, history = lipids
     first, second = scene.species[0], scene.species[-1]
     ours = RadialDistribution([(first, first), (first, second)], bin_width=0.05, reach=2.0).of(history)
