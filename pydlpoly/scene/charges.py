@@ -250,7 +250,7 @@ def _damping(settings: Settings, cutoff: float) -> tuple[float, list[str]]:
 
 def _alpha_of(settings: Settings, keyword: str, precision: float, cutoff: float) -> float:
     """Return DL_POLY's α for a precision."""
-    product = abs(precision) * cutoff
+    product = precision * cutoff
     if 0.0 < product < 1.0 and precision <= _COARSEST:
         argument = product * math.sqrt(-math.log(product))
         if argument < 1.0:
