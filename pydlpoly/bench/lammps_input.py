@@ -77,6 +77,8 @@ def lammps_input(scene: Scene) -> LammpsInput | str:
         return "only periodic scenes in reduced units without external fields or frozen beads are translated"
     if scene.dynamics.barostat is not None:
         return "a cell that moves is not translated"
+    if scene.electrostatics is not None:
+        return "electrostatics are not translated"
     if scene.bonded is not None and (reason := _not_translated(scene.bonded)):
         return reason
     if np.any(np.triu(scene.cell, 1) != 0.0):
