@@ -20,7 +20,7 @@ from pydlpoly.bench.results import Spread, significant
 from pydlpoly.bench.scenes import SCENES, BenchScene, build, chosen, water
 from pydlpoly.cli import main
 from pydlpoly.errors import RunError
-from pydlpoly.scene.model import Barostat
+from pydlpoly.scene.model import Barostat, Electrostatics
 
 SMALL = [scene for scene in SCENES.values() if scene.beads <= 40_000]
 BONDED = {"polymer", "lipids"}
@@ -187,6 +187,8 @@ def test_scenes_that_lammps_cannot_have_are_named() -> None:
     barostat = Barostat("isotropic", (23.65, 23.65, 23.65), relaxation=1.0, friction=1.0)
     moving = replace(fluid, dynamics=replace(fluid.dynamics, barostat=barostat))
     assert "a cell that moves" in str(lammps_input(moving))
+    charged = replace(fluid, electrostatics=Electrostatics("pairwise", "pairwise", "point", 1.0, 1.0, 1.0))
+    assert "electrostatics" in str(lammps_input(charged))
 
 
 def test_a_process_that_dies_says_why() -> None:

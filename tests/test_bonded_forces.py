@@ -155,7 +155,7 @@ def test_energies_and_stress_add_up() -> None:
     assert all(seen.energy[kind] > 0.0 for kind in kinds)
     assert seen.energy["potential"] == pytest.approx(seen.energy["pair"] + sum(seen.energy[kind] for kind in kinds))
     assert seen.energy["total"] == seen.energy["potential"] + seen.energy["kinetic"]
-    assert list(seen.stress_parts) == ["kinetic", "conservative", "drag", "noise", "bonded"]
+    assert list(seen.stress_parts) == ["kinetic", "conservative", "drag", "noise", "bonded", "charge"]
     assert seen.stress == pytest.approx(np.sum(list(seen.stress_parts.values()), axis=0))
     bonded = -seen.stress_parts["bonded"].trace() * seen.volume
     assert sum(seen.bonded_virial.values()) == pytest.approx(bonded)

@@ -33,6 +33,7 @@ ROWS: dict[tuple[str, str], Row] = {
     ("bond", "rhrm"): Row((12.0, 0.8, 0.2), "k"),
     ("bond", "quar"): Row((12.0, 0.9, -5.0, 7.0), "k k' k''"),
     ("bond", "buck"): Row((40.0, 0.4, 1.5), "A C"),
+    ("bond", "coul"): Row((2.0,), ""),
     ("bond", "fene"): Row((12.0, 2.4, 0.2), "k"),
     ("bond", "mmst"): Row((12.0, 0.9), "k"),
     ("angle", "harm"): Row((5.0, 110.0), "k", "th0"),
@@ -145,7 +146,16 @@ def scene_of(
     word = law["restraint_key"] if restraint else key
     starts = (1, 2, 3) if kind == "bond" else (1,)
     lines = [" ".join([word, *(str(i + k) for k in range(BEADS[kind])), *numbers]) for i in starts]
-    return molecule_scene("ABCD", {DIRECTIVES[kind]: lines}, positions, cell=[8.0, 7.0, 9.0], units=units)
+    charged = key == "coul"
+    return molecule_scene(
+        "ABCD",
+        {DIRECTIVES[kind]: lines},
+        positions,
+        cell=[8.0, 7.0, 9.0],
+        units=units,
+        charges=(1.0, -0.5, 2.0, 1.0) if charged else (),
+        control={"coul_bjerrum_length": "1.0 dpd_l"} if charged else {},
+    )
 
 
 def moved(scene: Scene, positions: FloatArray) -> Scene:
@@ -195,8 +205,9 @@ def test_momentum_torque_and_virial(kind: str, key: str) -> None:
 @EVERY
 def test_energy_units_and_restraint_form(kind: str, key: str) -> None:
     point, in_kj = single_point(scene_of(kind, key)), single_point(scene_of(kind, key, units="kj"))
-    assert in_kj.energy[kind] == pytest.approx(100.0 * point.energy[kind], rel=1e-12)
-    assert in_kj.forces == pytest.approx(100.0 * point.forces, rel=1e-10, abs=1e-10)
+    unit = 100.0 if ROWS[kind, key].energies else 1.0  # a Coulomb bond's strength is k_B T times a length
+    assert in_kj.energy[kind] == pytest.approx(unit * point.energy[kind], rel=1e-12)
+    assert in_kj.forces == pytest.approx(unit * point.forces, rel=1e-10, abs=1e-10)
     if kind != "tether":
         scene = scene_of(kind, key, restraint=True)
         assert scene.bonded is not None
@@ -259,7 +270,9 @@ def test_without_a_direction_there_is_no_force_and_no_nan(kind: str, key: str, p
         assert not point.forces[:, :2].any()
 
 
-@pytest.mark.parametrize("key", [key for kind, key in ROWS if kind == "bond" and key not in ("12-6", "lj", "buck")])
+@pytest.mark.parametrize(
+    "key", [key for kind, key in ROWS if kind == "bond" and key not in ("12-6", "lj", "buck", "coul")]
+)
 def test_beads_of_a_bond_may_coincide(key: str) -> None:
     point = single_point(scene_of("bond", key, positions=np.zeros((4, 3))))
     assert not point.forces.any()

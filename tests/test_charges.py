@@ -499,6 +499,49 @@ def test_cell_that_follows_the_pressure() -> None:
     assert seen.stress_parts["charge"].trace() * seen.volume == pytest.approx(-seen.charge_virial, rel=1e-12)
 
 
+def test_energy_with_a_piston_is_conserved() -> None:
+    """The piston feels the pressure of the charges: energy and P V are kept to second order in the timestep.
+
+    Short-ranged smeared charges, so that nothing is left at the cutoff, in a lattice with room to breathe.
+    """
+    still = dict.fromkeys(("ensemble_thermostat_friction", "ensemble_barostat_friction"), "1e-12 internal_t^-1")
+    grid = np.array(list(itertools.product(range(4), repeat=3)))
+    order = np.argsort(grid.sum(axis=1) % 2, kind="stable")
+    spread = []
+    for timestep in (0.008, 0.004):
+        scene = make_scene(
+            {"A": 32, "B": 32},
+            [f"{pair} dpd 25.0 1.0" for pair in ("A A", "A B", "B B")],
+            cell=3.0,
+            positions=((grid - 1.5) * 0.75)[order],
+            charges=SALT,
+            control={
+                **MESH,
+                **still,
+                "ensemble": "npt",
+                "ensemble_method": "langevin",
+                "ensemble_dpd_order": None,
+                "ensemble_barostat_coupling": "0.5 internal_t",
+                "pressure_hydrostatic": "10.0 dpd_p",
+                "timestep": f"{timestep} internal_t",
+                "coul_bjerrum_length": "8.0 ang",
+                "charge_smearing_method": "gaussian",
+                "charge_smearing_length": "0.2 ang",
+                "spme_alpha": "2.0 ang^-1",
+            },
+        )
+        simulation = Simulation(scene, seed=3, threads=1)
+        energies = []
+        for _ in range(round(1.0 / timestep)):
+            simulation.run(1)
+            seen = simulation.observe()
+            kinetic = 0.5 * float((simulation.state.velocities**2).sum())
+            energies.append(seen.energy["potential"] + kinetic + seen.energy["thermostat"])
+        spread.append(float(np.ptp(energies)))
+    assert spread[0] / spread[1] == pytest.approx(4.0, rel=0.25)
+    assert abs(seen.volume / 27.0 - 1.0) > 0.01
+
+
 def test_statistics_have_the_electrostatic_columns() -> None:
     simulation = Simulation(electrolyte(), seed=1, threads=1)
     record, seen = statistics_record(simulation), simulation.observe()

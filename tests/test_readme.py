@@ -74,7 +74,6 @@ REFUSED_BLOCKS = {
     "rigid units": ("rigid 1\n2 1 2\n", "rigid"),
     "shells": ("shell 1\n1 2 10.0\n", "shells"),
     "mean-force constraints": ("pmf 1.0\npmf unit 1\n1 0.0\npmf unit 1\n2 0.0\n", "pmf"),
-    "Coulomb bonds": ("bonds 1\ncoul 1 2 0.5\n", "coul"),
 }
 
 
@@ -93,12 +92,12 @@ def test_bonded_terms() -> None:
     kinds = dict.fromkeys(law["kind"] for law in _core.bonded_laws())
     assert list(kinds) == ["bond", "angle", "dihedral", "inversion", "tether"]
     assert "bonds, angles, dihedrals, inversions, tethers" in row("molecules")[0]
-    # Every law of the FIELD reader is there, but for what the row refuses by name.
+    # Every law of the FIELD reader is there.
     for directive, kind in zip(("bonds", "angles", "dihedrals", "inversions", "tethers"), kinds, strict=True):
         laws = [law for law in _core.bonded_laws() if law["kind"] == kind]
         keys = {law["key"] for law in laws} | {law["restraint_key"] for law in laws} - {""}
         missing = BONDED[directive].keys - keys
-        assert missing == ({"coul", "-cul"} & BONDED[directive].keys)
+        assert not missing
         assert keys <= BONDED[directive].keys
 
 
@@ -136,5 +135,7 @@ def test_charges(tmp_path: Path) -> None:
     methods = [word for word in KEYWORDS["coul_method"].options if word != "off"]
     for method in methods:
         folder = example_with(tmp_path, FIELD=charged, CONTROL=("vdw_method", f"coul_method {method}\nvdw_method"))
-        with pytest.raises(SceneError, match="not modelled"):
+        with pytest.raises(SceneError, match="coul_bjerrum_length"):
             load(folder)
+        given = f"coul_method {method}\ncoul_bjerrum_length 1 ang\nvdw_method"
+        assert load(example_with(tmp_path, FIELD=charged, CONTROL=("vdw_method", given))).electrostatics is not None

@@ -699,6 +699,7 @@ void FluidOf<Record>::passes(State& state, const StepSettings& settings, std::ui
         observe_bonded(state);
     }
     if (charge_failure_) {
+        std::fill(bonded_impulses_.begin(), bonded_impulses_.end(), 0);
         std::rethrow_exception(std::exchange(charge_failure_, nullptr));
     }
     if (overflow != 0 || bonded_overflow() || charges_stop_) {

@@ -86,7 +86,7 @@ void System::choose_path() {
         if (forces.bonded() != nullptr) {
             fluid_->set_bonded(*forces.bonded(), forces.bonded_totals(), state.particles.species);
         }
-        if (forces.charges() != nullptr) {
+        if (forces.charges() != nullptr && forces.charges()->charges().size() > 0) {
             fluid_->set_charges(*forces.charges(), forces.charge_totals());
         }
     }

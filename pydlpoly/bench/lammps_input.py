@@ -79,6 +79,8 @@ def lammps_input(scene: Scene) -> LammpsInput | str:
         return "a cell that moves is not translated"
     if scene.dynamics.shear_rate != 0.0:
         return "a sheared cell is not translated"
+    if scene.electrostatics is not None:
+        return "electrostatics are not translated"
     if scene.bonded is not None and (reason := _not_translated(scene.bonded)):
         return reason
     if np.any(np.triu(scene.cell, 1) != 0.0):

@@ -146,6 +146,8 @@ def _print_rate(writer: _Writer, _: SettingValue) -> str:
 
 
 def _coulomb(writer: _Writer, value: SettingValue) -> str | None:
+    if value == "ewald_direct":
+        return None  # the old style has no word for it
     del writer.left["coul_method"]
     if value == "off":
         return "no elec"

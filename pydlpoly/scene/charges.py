@@ -20,6 +20,7 @@ _UNCHARGED = 1e-5
 _MOST_IMAGES = 30_000
 # Points of a mesh, or half of the plain sum's vectors, that fit into memory.
 _MOST_POINTS = 2**27
+_MOST_ON_AXIS = 2**21
 _MOST_SPLINES = 20
 # Precisions above this mean nothing.
 _COARSEST = 0.1
@@ -49,8 +50,8 @@ class Strength:
     def __init__(self, settings: Settings, reduced: bool, dynamics: Dynamics) -> None:
         self._settings, self._reduced, self._thermal = settings, reduced, dynamics.thermal_energy
 
-    def value(self, keyword: str = "coul_method") -> tuple[float, str]:
-        """Return the strength in internal units and where it comes from; ``keyword`` is named where it is missing.
+    def value(self) -> tuple[float, str]:
+        """Return the strength in internal units and where it comes from.
 
         Raises:
             SceneError: it is not given in a scene in reduced units, given twice, or needs a temperature.
@@ -62,8 +63,8 @@ class Strength:
             if self._reduced:
                 message = "in units dpd charges are in e and their strength is that of coul_bjerrum_length, or of "
                 message += "coul_coupling = 4 pi times it: CONTROL gives neither"
-                raise settings.refusal(keyword, message)
-            permittivity = self._permittivity()
+                raise settings.refusal("coul_method", message)
+            permittivity = permittivity_of(settings)
             where = settings.where("coul_dielectric_constant")
             return COULOMB_CONSTANT / permittivity, f"1/(4 pi eps0 eps) with eps = {permittivity:g} [{where}]"
         if len(given) > 1:
@@ -81,9 +82,6 @@ class Strength:
             raise settings.refusal(given[0], "is a strength in units of k_B T: the scene needs a temperature above 0")
         text = f"k_B T times the Bjerrum length {length:.9g} from {given[0]} {settings.number(given[0]):g}"
         return length * self._thermal, f"{text} [{settings.where(given[0])}]"
-
-    def _permittivity(self) -> float:
-        return permittivity_of(self._settings)
 
 
 def permittivity_of(settings: Settings) -> float:
@@ -250,7 +248,7 @@ def _damping(settings: Settings, cutoff: float) -> tuple[float, list[str]]:
 
 def _alpha_of(settings: Settings, keyword: str, precision: float, cutoff: float) -> float:
     """Return DL_POLY's α for a precision."""
-    product = abs(precision) * cutoff
+    product = precision * cutoff
     if 0.0 < product < 1.0 and precision <= _COARSEST:
         argument = product * math.sqrt(-math.log(product))
         if argument < 1.0:
@@ -271,7 +269,7 @@ def _mesh_points(length: float, alpha: float, precision: float, order: int) -> i
     Splines of order p take the wave of n periods on K points for that of n − K with a weight of about (n/(K − n))^p.
     """
     points = _good_size(max(order, 2 * _vectors(length, alpha, precision)))
-    while points < _MOST_POINTS:
+    while points < _MOST_ON_AXIS:
         waves = np.arange(1, points // 2 + 1)
         fade = np.exp(-((math.pi / (alpha * length) * waves) ** 2))
         if float((2.0 * fade * (waves / (points - waves)) ** order).max()) <= precision:

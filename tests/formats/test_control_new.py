@@ -316,7 +316,12 @@ def test_dl_polys_own_python_tools_know_no_other_keyword() -> None:
         ("ensemble_dpd_order mdvv", "used", ""),
         ("ensemble_dpd_order second", "used", ""),
         ("coul_method off", "used", ""),
-        ("coul_method reaction_field", "refused", "electrostatics"),
+        ("coul_method reaction_field", "used", ""),
+        (
+            "spme_kvec_spacing 0.1 ang^-1",
+            "refused",
+            "DL_POLY's manual and code mean different numbers by it; give spme_kvec",
+        ),
         ("vdw_method spme", "refused", "pair laws by Ewald summation"),
         ("timestep_variable on", "refused", "a variable timestep"),
         ("timestep_variable off", "ignored", "it is switched off"),

@@ -19,8 +19,11 @@ REFUSALS = {
         "bonds 1\ntab 1 2 0.5",
         "FIELD:9: 'tab': the number 0.5 has no meaning: the bond law tab takes its numbers from a file of tables",
     ),
-    "coulomb": ("bonds 1\ncoul 1 2 0.5", "FIELD:9: 'coul': Coulomb bonds are not modelled yet"),
-    "coulomb_restraint": ("bonds 1\n-cul 1 2 0.5", "FIELD:9: '-cul': Coulomb bonds are not modelled yet"),
+    "coulomb_without_strength": (
+        "bonds 1\ncoul 1 2 0.5",
+        "CONTROL: 'coul_method': in units dpd charges are in e and their strength is that of coul_bjerrum_length, or "
+        "of coul_coupling = 4 pi times it: CONTROL gives neither",
+    ),
     "unknown_key": (
         "bonds 1\nharn 1 2 10.0 0.5",
         "FIELD:9: 'harn': unknown key in bonds; did you mean harm?",

@@ -14,6 +14,7 @@ TITLES = [
     "Integrator and thermostat",
     "Pair table",
     "Bonded terms",
+    "Electrostatics",
     "Cutoffs and link cells",
     "Plan",
     "Long-range correction",

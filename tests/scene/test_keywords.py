@@ -54,11 +54,19 @@ def test_every_used_keyword_is_asked_for(make, readings):
     make(control={**piston, "ensemble_semi_isotropic": "tension", "ensemble_tension": "1 dpd_f/dpd_l"}).scene()
     make(atoms=("A 1.0 0.0 2", "B 2.0 0.0"), counts=(2, 2), inside="constraints 1\n1 2 0.9").scene()
     make(control={"wall_method": "soft", "wall_strength": "[ 25 ] dpd_f"}).scene()
+    charged = {"atoms": ("A 1.0 1.0", "B 1.0 -1.0")}
+    bjerrum = {"coul_bjerrum_length": "1 dpd_l"}
+    smearing = {"charge_smearing_method": "slater", "charge_smearing_length": "1 dpd_l"}
+    make(control={"coul_method": "spme", **bjerrum, **smearing}, **charged).scene()
+    make(
+        control={"coul_method": "spme", **bjerrum, "spme_alpha": "1 dpd_l^-1", "spme_kvec": "[ 8 8 8 ]"}, **charged
+    ).scene()
+    make(control={"coul_method": "reaction_field", **bjerrum}, **charged).scene()
     consumed = set().union(*(settings.consumed for settings in readings))
     used = {row.keyword for row in KEYWORDS.values() if is_used(row)}
-    assert len(readings) == 9 + len(orders)
+    assert len(readings) == 12 + len(orders)
     assert used - consumed == set()
-    assert consumed - used - {"coul_method"} == set()  # nothing that the table calls ignored or refused is read
+    assert consumed - used == set()  # nothing that the table calls ignored or refused is read
 
 
 def values_of(row):

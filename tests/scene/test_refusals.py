@@ -224,8 +224,8 @@ CASES = {
     "charges": (
         {"control": {"coul_method": "reaction_field"}, "atoms": ("A 1.0 1.0", "B 2.0 -2.0")},
         (
-            "CONTROL:10: 'coul_method': electrostatics (coul_method reaction_field) are not modelled "
-            "yet, and these beads of FIELD are charged: A, B; coul_method off leaves the charges out"
+            "CONTROL:10: 'coul_method': in units dpd charges are in e and their strength is that of "
+            "coul_bjerrum_length, or of coul_coupling = 4 pi times it: CONTROL gives neither"
         ),
     ),
     "massless": (
