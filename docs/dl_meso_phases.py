@@ -4,10 +4,11 @@
 go into docs/images. With ``--keep FOLDER`` the last frames of each run stay there and are used again. Needs scipy and
 matplotlib, and minutes.
 
-The hydrophobic beads B tell phases apart by the shape of their domain and by directions. Q = sum S(k) k k^T/k^2 / sum
-S(k), over the waves around the peak of the structure factor, has the eigenvalues 1/3 1/3 1/3 in a phase without
-direction, 1/2 1/2 0 for parallel cylinders, 1 0 0 for layers. G says the same of the surroundings of each place, so that
-grains do not mix, see ``local_directions``. Micelles are pieces that reach themselves along no direction of the cell.
+The hydrophobic beads B tell phases apart by the shape of their domain and by directions. Q is the sum of S(k) k k^T/k^2
+over the sum of S(k), over the waves around the peak of the structure factor; it has the eigenvalues 1/3 1/3 1/3 in a
+phase without direction, 1/2 1/2 0 for parallel cylinders, 1 0 0 for layers. G says the same of the surroundings of each
+place, so that grains do not mix, see ``local_directions``. Micelles are pieces that reach themselves along no direction
+of the cell.
 """
 
 from __future__ import annotations
