@@ -4,10 +4,11 @@
 go into docs/images. With ``--keep FOLDER`` the last frames of each run stay there and are used again. Needs scipy and
 matplotlib, and minutes.
 
-The hydrophobic beads B tell phases apart by the shape of their domain and by the directions of their structure factor.
-A domain that reaches itself again through the periodic cell along none, one, two or three independent directions is
-made of micelles, cylinders, layers or a network. Q = sum S(k) k k^T/k^2 / sum S(k) over the waves around the peak of
-S(k) has the eigenvalues 1/3 1/3 1/3 in a phase without direction, 1/2 1/2 0 for parallel cylinders, 1 0 0 for layers.
+The hydrophobic beads B tell phases apart by the shape of their domain and by directions. Q is the sum of S(k) k k^T/k^2
+over the sum of S(k), over the waves around the peak of the structure factor; it has the eigenvalues 1/3 1/3 1/3 in a
+phase without direction, 1/2 1/2 0 for parallel cylinders, 1 0 0 for layers. G says the same of the surroundings of each
+place, so that grains do not mix, see ``local_directions``. Micelles are pieces that reach themselves along no direction
+of the cell.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ NAMES = ("amphiphile-1", "amphiphile-2", "amphiphile-3", "amphiphile-4")
 _SPACING = 0.5  # of the grid
 _WIDTH = 0.4  # of the Gaussian that smooths densities
 _FRAMES, _BETWEEN = 20, 50
-_LAYERS, _CYLINDERS = 0.7, 0.2  # the largest eigenvalue of Q above, the smallest below
+_LAYERS, _CYLINDERS = 0.75, 0.1  # layers: the largest eigenvalue of G is above; cylinders: the smallest is below
 
 FloatArray = NDArray[np.float64]
 
@@ -51,7 +52,7 @@ class Phase:
         pieces: number of separate domains of B larger than 20 voxels.
         outside: the same directions of everything else.
         wave: length of the wave at the peak of the structure factor, in units of length.
-        eigenvalues: of Q, largest first.
+        eigenvalues: of Q, largest first. local: of G, largest first, see ``local_directions``.
     """
 
     share: float
@@ -62,18 +63,17 @@ class Phase:
     outside: int
     wave: float
     eigenvalues: tuple[float, float, float]
+    local: tuple[float, float, float]
 
     @property
     def words(self) -> str:
-        """The phase, from Q where it has a direction, else from the shape of the domain of B."""
-        high, _, low = self.eigenvalues
-        if self.directions == 0:
-            return "micelles"
+        """The phase, from G where it has a direction, else from the shape of the domain of B."""
+        high, _, low = self.local
         if high > _LAYERS:
-            return "layers" if self.directions == 2 else "layers with bridges or gaps"
+            return "layers"
         if low < _CYLINDERS:
-            return "parallel cylinders" if self.directions == 1 else "parallel cylinders with bridges"
-        return "a network in all directions"
+            return "cylinders side by side"
+        return "micelles" if self.directions == 0 else "a network without direction"
 
 
 def run(name: str, steps: int | None, keep: Path | None) -> tuple[Scene, FloatArray, float, float]:
@@ -170,6 +170,23 @@ def structure(scene: Scene, frames: FloatArray, species: str) -> tuple[float, tu
     return float(2.0 * np.pi / at_peak), (high, middle, low)
 
 
+def local_directions(share: FloatArray, wave: float) -> tuple[float, float, float]:
+    """Return the mean eigenvalues, largest first, of G = <grad s grad s^T> / trace, s the share, <> over half a wave.
+
+    As Q, but of the surroundings of each place, so that grains of other orientations do not mix: 1 0 0 for layers,
+    1/2 1/2 0 for cylinders, 1/3 1/3 1/3 for micelles. The mean is weighted by the trace.
+    """
+    slope = np.stack([np.roll(share, -1, axis) - np.roll(share, 1, axis) for axis in range(3)], axis=-1)
+    products = slope[..., :, None] * slope[..., None, :]
+    width = 0.5 * wave / _SPACING
+    tensor = np.stack(
+        [gaussian_filter(products[..., i, j], width, mode="wrap") for i in range(3) for j in range(3)], -1
+    )
+    values = np.linalg.eigvalsh(tensor.reshape(-1, 3, 3))
+    low, middle, high = (values.sum(axis=0) / values.sum()).tolist()
+    return high, middle, low
+
+
 def phase(scene: Scene, frames: FloatArray, temperature: float, pressure: float) -> tuple[Phase, FloatArray]:
     """Return what is measured of one system, and the local share of B."""
     share = share_of(scene, frames, "B")
@@ -187,6 +204,7 @@ def phase(scene: Scene, frames: FloatArray, temperature: float, pressure: float)
         outside=directions(~domain),
         wave=wave,
         eigenvalues=eigenvalues,
+        local=local_directions(share, wave),
     )
     return found, share
 
@@ -215,12 +233,23 @@ def draw(name: str, scene: Scene, share: FloatArray) -> Path:
 
 def page(found: dict[str, Phase], steps: int) -> str:
     """Return the measured part of the page."""
-    heads = ["input", "amphiphiles", "T", "P", "B reaches itself along", "pieces of B", "wave length", "Q", "phase"]
+    heads = [
+        "input",
+        "amphiphiles",
+        "T",
+        "P",
+        "B reaches itself along",
+        "pieces of B",
+        "wave length",
+        "Q",
+        "G",
+        "phase",
+    ]
     lines = [" | ".join(heads), " | ".join("---" for _ in heads)]
     for name, one in found.items():
-        q = " ".join(f"{x:.2f}" for x in one.eigenvalues)
+        q, g = (" ".join(f"{x:.2f}" for x in values) for values in (one.eigenvalues, one.local))
         cells = [f"`{name}`", f"{one.share:.0%}", f"{one.temperature:.4f}", f"{one.pressure:.2f}"]
-        cells += [f"{one.directions} directions", str(one.pieces), f"{one.wave:.2f}", q, one.words]
+        cells += [f"{one.directions} directions", str(one.pieces), f"{one.wave:.2f}", q, g, one.words]
         lines.append(" | ".join(cells))
     table = "".join(f"| {line} |\n" for line in lines)
     pictures = "".join(f"\n![share of B in {name}](images/{name}.png)\n" for name in found)

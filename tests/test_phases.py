@@ -35,3 +35,14 @@ def test_directions_and_pieces(phases: ModuleType) -> None:
     assert phases.directions(((x - np.floor(y * 12 / 16)) % 12) + 12 * ((z % 20) > 2) < 3) == 1
     two = (x**2 + y**2 + z**2 < 9) | ((np.abs(x) > 4) & (np.abs(y) > 5) & (np.abs(z) > 7))
     assert len(phases.pieces(two)) == 2
+
+
+def test_local_directions(phases: ModuleType) -> None:
+    """Waves along one, two and three axes have 1 0 0, 1/2 1/2 0 and 1/3 1/3 1/3; two grains of layers nearly 1 0 0."""
+    x, y, z = (2.0 * np.pi * axis / 6.0 for axis in np.meshgrid(*([np.arange(48)] * 3), indexing="ij"))
+    wave = 6 * 0.5  # lattice spacing 1/2
+    for count in (1, 2, 3):
+        share = sum(np.sin(axis) for axis in (x, y, z)[:count])
+        assert phases.local_directions(share, wave) == pytest.approx([1 / count] * count + [0] * (3 - count), abs=0.005)
+    grains = np.where(z < 2.0 * np.pi * 4, np.sin(x), np.sin(y))
+    assert phases.local_directions(grains, wave)[0] > 0.8
