@@ -120,6 +120,31 @@ def test_density_is_that_of_the_frames(folder: Path) -> None:
         assert table[name].mean() * EDGE**3 == pytest.approx(COUNTS[name], rel=1e-6)
 
 
+def test_density_in_a_cell_that_varies(tmp_path: Path) -> None:
+    """Bins are fractions of the height; height and volume are means over the samples."""
+    barostat = {
+        "ensemble": "npt",
+        "ensemble_method": "langevin",
+        "ensemble_dpd_order": None,
+        "ensemble_thermostat_friction": "1 dpd_t^-1",
+        "ensemble_barostat_friction": "2 dpd_t^-1",
+        "ensemble_barostat_coupling": "0.2 dpd_t",
+        "pressure_hydrostatic": "60 dpd_p",
+    }
+    run_folder(tmp_path, {**SAMPLING, **barostat})
+    run_scene(pydlpoly.load(tmp_path), tmp_path, threads=1)
+    frames = [f for f in read_history(tmp_path / "HISTORY") if f.step > 8 and f.step % 3 == 0]
+    heights = np.array([f.cell[2, 2] for f in frames])
+    assert np.ptp(heights) > 0.01
+    table = read_density(tmp_path / "ZDNDAT")
+    np.testing.assert_allclose(table.z, ((np.arange(20) + 0.5) / 20 - 0.5) * heights.mean(), rtol=1e-6)
+    edges = np.linspace(-0.5, 0.5, 21)
+    for kind, name in enumerate("AB"):
+        places = [f.positions[kind == KINDS][:, 2] / f.cell[2, 2] for f in frames]
+        counted = sum(np.histogram(one, edges)[0] for one in places)
+        np.testing.assert_allclose(table[name], counted / len(frames) / (np.mean(heights**3) / 20), rtol=2e-6)
+
+
 def correlations_of(frames, origins: list[int], length: int, kind: int) -> np.ndarray:
     at = {f.step: f.velocities[kind == KINDS] for f in frames}
     return np.array([[np.sum(at[o] * at[o + k]) for k in range(length + 1)] for o in origins])

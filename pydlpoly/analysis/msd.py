@@ -88,7 +88,7 @@ class MeanSquareDisplacement(Analysis[SquareDisplacements]):
         spacing = spacing_of(self._times)
         lags = lags_of(len(self._times), self._longest, spacing)
         times = times_of(spacing, lags)
-        fit = self._fit or (0.5 * times[-1], times[-1])
+        fit = self._fit or (0.5 * times[-1] if lags > 1 else 0.0, times[-1])
         weights = _slope_weights(times, fit)
         assert self._first is not None
         species = tuple(dict.fromkeys(self._first.names))

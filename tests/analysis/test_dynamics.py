@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from weakref import WeakSet
+
 import numpy as np
 import pytest
 
 from pydlpoly import InputError
-from pydlpoly.analysis import MeanSquareDisplacement, VelocityAutocorrelation, frames_of_arrays
+from pydlpoly.analysis import (
+    MeanSquareDisplacement,
+    RadialDistribution,
+    StructureFactor,
+    VelocityAutocorrelation,
+    analyse,
+    frames_of_arrays,
+)
 from pydlpoly.analysis.windows import Spool, correlate
+from pydlpoly.formats.history import Frame
 
 CELL = np.array([[9.0, 0.0, 0.0], [2.0, 8.0, 0.0], [-1.5, 1.0, 7.0]])
 
@@ -115,6 +126,31 @@ def test_velocities_of_langevin_beads() -> None:
     whole = 0.5 * spacing * (1 + keep) / (1 - keep) * (1 - np.exp(-rate * 2.0))  # the sum, for the trapezoidal rule
     assert abs(found.diffusion[0, -1] - whole) < 3.5 * found.diffusion_error[0, -1]
     assert found.diffusion_error[0, -1] < 0.02
+
+
+def test_frames_are_not_kept() -> None:
+    """Of 60 frames that pass by, an analysis holds the first at most."""
+    alive: WeakSet[Frame] = WeakSet()
+    most = 0
+
+    def watched() -> Iterator[Frame]:
+        nonlocal most
+        moving = np.ones((60, 20, 3))
+        places = np.random.default_rng(1).random((60, 20, 3))
+        for frame in frames_of_arrays(places, 3.0, velocities=moving):
+            alive.add(frame)
+            most = max(most, len(alive))
+            yield frame
+
+    analyses = [
+        MeanSquareDisplacement(),
+        VelocityAutocorrelation(),
+        RadialDistribution(bin_width=0.5),
+        StructureFactor(),
+    ]
+    assert analyse(watched(), *analyses) == 60
+    assert most <= 4
+    assert analyses[0].result().msd.shape == (1, 16)
 
 
 def test_what_cannot_be_analysed_is_refused() -> None:

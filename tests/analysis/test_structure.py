@@ -22,6 +22,7 @@ from pydlpoly.analysis import (
     frames_of_arrays,
     molecule_centres,
 )
+from pydlpoly.analysis.structure_factor import density_waves, lattice_vectors, wave_vectors
 
 TRICLINIC = np.array([[9.0, 0.0, 0.0], [2.0, 8.0, 0.0], [-1.5, 1.0, 7.0]])
 
@@ -57,6 +58,8 @@ def test_simple_cubic_lattice_has_its_shells() -> None:
     assert steps[9] + steps[10] == pytest.approx(6.0)  # 1 is on an edge
     assert (steps[14], steps[17]) == (pytest.approx(12.0), pytest.approx(8.0))
     assert np.cumsum(steps)[18] == pytest.approx(26.0)
+    shells = 4.0 / 3.0 * np.pi * np.diff(np.append(found.r - 0.05, 3.0) ** 3)
+    np.testing.assert_allclose(found.g[0] * shells * 215 / 6.0**3, steps, atol=1e-12)  # of N − 1 others, no self
 
 
 def test_pairs_within_molecules_can_be_left_out() -> None:
@@ -186,6 +189,30 @@ def test_structure_factor_of_a_lattice() -> None:
     assert found.values[at] == pytest.approx([64.0])
     assert found.vectors[at] == [3]
     assert np.abs(found.values[~at]).max() < 1e-20
+
+
+def test_wave_vectors_of_a_triclinic_cell() -> None:
+    """q·r = 2π n·s; half of ± pairs; planes of constant phase stand across the lamellar normal."""
+    numbers = lattice_vectors(TRICLINIC, 3.0)
+    (frame,) = frames_of_arrays(gas(1, 50, TRICLINIC), TRICLINIC)
+    inside = frame.positions @ np.linalg.inv(TRICLINIC)
+    waves = wave_vectors(numbers, TRICLINIC)
+    np.testing.assert_allclose(frame.positions @ waves.T, 2 * np.pi * inside @ numbers.T, atol=1e-10)
+    grid = np.stack(np.meshgrid(*[np.arange(-8, 9)] * 3), axis=-1).reshape(-1, 3)
+    short = np.linalg.norm(wave_vectors(grid, TRICLINIC), axis=1) <= 3.0
+    assert len(numbers) == (short.sum() - 1) / 2
+    np.testing.assert_allclose(
+        np.abs(np.exp(-1j * frame.positions @ waves.T).sum(axis=0)) ** 2 / 50,
+        np.abs(density_waves(inside, numbers)) ** 2 / 50,
+        atol=1e-9,
+    )
+    rng = np.random.default_rng(11)
+    places = np.column_stack([rng.random((200, 2)), rng.integers(0, 2, 200) / 2.0]) @ TRICLINIC
+    found = LamellarOrder("A").of(frames_of_arrays(places, TRICLINIC))
+    normal = np.cross(TRICLINIC[0], TRICLINIC[1])
+    assert abs(found.normal @ normal) == pytest.approx(np.linalg.norm(normal))
+    assert found.period == pytest.approx(TRICLINIC[2] @ normal / np.linalg.norm(normal) / 2)
+    assert found.order == pytest.approx(1.0)
 
 
 def test_clusters_across_the_cell_boundary() -> None:
