@@ -126,11 +126,14 @@ class StressCorrelations:
 
         With noise of pairs every step must be sampled: at a longer interval the noise's own correlation would be
         integrated over that interval, and not over the step it belongs to. A Langevin thermostat takes momentum out of
-        the fluid, so that there is no viscosity.
+        the fluid, so that there is no viscosity; in a sheared cell the mean stress says what it is.
         """
         if not any(term.is_shear for term in self.terms) or self.samples < 2:
             return None
-        if self._scene.dynamics.integrator == "langevin" or (self._every > 1 and has_pair_noise(self._scene)):
+        dynamics = self._scene.dynamics
+        if dynamics.integrator == "langevin" or dynamics.shear_rate != 0.0:
+            return None
+        if self._every > 1 and has_pair_noise(self._scene):
             return None
         _, integral, errors = self.green_kubo()
         correlator, _ = self._place(next(term for term in self.terms if term.is_shear))

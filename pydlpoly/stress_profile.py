@@ -17,7 +17,7 @@ from pydlpoly.formats.blocks import BlockSums, Estimate, standard_error
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.formats.strprf import ProfileTable, write_profile
 from pydlpoly.scene.model import Axis
-from pydlpoly.scene.stress import why_no_layers
+from pydlpoly.scene.stress import why_no_layers, why_not_in_layers
 from pydlpoly.simulation import Simulation
 
 PARTS = ("kinetic", "conservative", "bonded")
@@ -59,11 +59,10 @@ class StressProfile:
         """Start without samples, or with those of the checkpoint that the simulation comes from; see the class."""
         if layers < 1 or every < 1 or interfaces < 1:
             raise ValueError("layers, every and interfaces must be 1 or more")
-        message = why_no_layers(simulation.scene.cell, simulation.scene.periodic, axis)
+        scene = simulation.scene
+        message = why_no_layers(scene.cell, scene.periodic, axis) or why_not_in_layers(scene)
         if message:
             raise SceneError(message)
-        if simulation.scene.constraints is not None:
-            raise SceneError("the stress in layers is not modelled with constraints")
         self.axis, self.layers = "xyz".index(axis), layers
         self._every, self._after, self._interfaces, self._path = every, after, interfaces, path
         self._scene = simulation.scene

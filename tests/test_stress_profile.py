@@ -11,6 +11,7 @@ import pytest
 
 from pydlpoly import Scene, Simulation, load
 from pydlpoly.cli import example_folder
+from pydlpoly.correlations import StressCorrelations
 from pydlpoly.engines.native import long_range_tail
 from pydlpoly.errors import InputError, SceneError
 from pydlpoly.runner import run_scene
@@ -364,3 +365,44 @@ def test_cells_without_layers_are_refused() -> None:
     StressProfile(Simulation(replace(prism()), seed=1), axis="z")
     with pytest.raises(ValueError, match="1 or more"):
         StressProfile(simulation, layers=0)
+
+
+OTHERS = {
+    "charges": (
+        {"A": 4, "B": 4},
+        {"charges": {"A": 1.0, "B": -1.0}},
+        {"coul_method": "pairwise", "cutoff": "2.0 ang", "coul_bjerrum_length": "1.3 ang"},
+        "the stress of charges is not resolved in layers",
+    ),
+    "shear": ({"A": 20}, {}, {"shear_rate": "0.1 dpd_t^-1"}, "in a sheared cell momenta belong to the flow"),
+}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_stress_that_belongs_to_no_layer_is_refused(name: str) -> None:
+    beads, options, control, told = OTHERS[name]
+    pairs = (*WATER, "A B dpd 25.0 1.0 4.5", "B B dpd 25.0 1.0 4.5")[: 1 if len(beads) == 1 else 3]
+    with pytest.raises(SceneError, match=f"stress_profile_frequency.*{told}"):
+        make_scene(beads, pairs, cell=5.0, control={**control, "stress_profile_frequency": "5 steps"}, **options)  # type: ignore[arg-type]
+    simulation = Simulation(make_scene(beads, pairs, cell=5.0, control=control, **options), seed=1)  # type: ignore[arg-type]
+    with pytest.raises(SceneError, match=told):
+        StressProfile(simulation)
+    if name == "shear":
+        correlations = StressCorrelations(simulation)
+        simulation.reporters.append(correlations)
+        simulation.run(5)
+        assert (correlations.samples, correlations.viscosity()) == (5, None)
+
+
+def test_fixed_distances_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "CONTROL").write_text(
+        "title t\ntimestep 0.01 internal_t\ntime_run 1 steps\nensemble nve\ncutoff 1.0 ang\ntemperature 1.0 dpd_temp\n"
+        "stress_profile_frequency 2 steps\n"
+    )
+    molecule = (
+        "chain\nunits dpd\nmolecules 1\nT\nnummols 1\natoms 2\nA 1.0 0.0 2\nconstraints 1\n1 2 0.5\nfinish\nclose\n"
+    )
+    (tmp_path / "FIELD").write_text(molecule)
+    (tmp_path / "CONFIG").write_text("t\n0 1\n8 0 0\n0 8 0\n0 0 8\nA 1\n0 0 0\nA 2\n0.5 0 0\n")
+    with pytest.raises(SceneError, match=r"stress_profile_frequency.*not modelled with constraints"):
+        load(tmp_path)

@@ -132,7 +132,7 @@ def _check_integrator(settings: Settings, dynamics: Dynamics) -> None:
 def _check_motion(
     settings: Settings, field: Field, dynamics: Dynamics, external: tuple[ExternalTerm, ...], walls: Walls | None
 ) -> None:
-    """Refuse what moves beads one by one, and samples of the stress that know nothing of fixed lengths."""
+    """Refuse what moves beads one by one, and correlations of a stress that knows nothing of fixed lengths."""
     if dynamics.shear_rate != 0.0:
         raise settings.refusal("shear_rate", "constraints are not modelled in a sheared cell")
     if walls is not None:
@@ -141,9 +141,6 @@ def _check_motion(
         if term.key in _TURNING_FIELDS:
             message = "constraints are not modelled with a field that sets or turns velocities"
             raise SceneError(message, path=field.path, line=line.line or None, word=term.key)
-    if settings.steps("stress_profile_frequency"):
-        message = "the stress in layers is not modelled with constraints"
-        raise settings.refusal("stress_profile_frequency", message)
     kind = INTEGRATORS[dynamics.integrator].kind if dynamics.integrator in INTEGRATORS else "none"
     if settings.given("correlation_observable") and kind in ("sweep", "simultaneous"):
         message = f"with constraints and {dynamics.integrator} the stress lacks what lengths do to drag and noise; "

@@ -29,6 +29,7 @@ from pydlpoly.scene.output import resolve_output
 from pydlpoly.scene.replicate import replicate_as_asked
 from pydlpoly.scene.settings import Notes, Settings, place
 from pydlpoly.scene.shear import SHEARED_SHAPE, check_shear, resolve_shear
+from pydlpoly.scene.stress import check_profile
 from pydlpoly.scene.walls import check_beads_inside, open_axes, resolve_walls
 from pydlpoly.units import ENERGY_UNITS, EnergyUnit, energy_unit
 
@@ -125,7 +126,7 @@ def resolve(
     )
     tails = long_range_correction(settings, pairs, periodic, notes)
     settings.finish(notes)
-    return Scene(
+    scene = Scene(
         title=control.title or field.title,
         units=units,
         species=layout.species_names,
@@ -152,6 +153,8 @@ def resolve(
         walls=walls,
         electrostatics=electrostatics,
     )
+    check_profile(scene, settings)
+    return scene
 
 
 def _beads(layout: Layout, positions: FloatArray, velocities: FloatArray | None) -> Beads:

@@ -9,7 +9,7 @@ import numpy as np
 
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import FloatArray
-from pydlpoly.scene.model import Axis, CorrelationPlan, CorrelationTerm, ProfilePlan
+from pydlpoly.scene.model import Axis, CorrelationPlan, CorrelationTerm, ProfilePlan, Scene
 from pydlpoly.scene.settings import Notes, Settings
 
 AXES: tuple[Axis, ...] = ("x", "y", "z")
@@ -62,6 +62,28 @@ def why_no_layers(cell: FloatArray, periodic: Sequence[bool], axis: str) -> str:
         return f"the stress along {axis} needs a cell that is periodic along {axis}"
     if np.any(cell[k, others]) or np.any(cell[others, k]):
         return f"the stress along {axis} needs a cell vector along {axis} that is perpendicular to the other two"
+    return ""
+
+
+def check_profile(scene: Scene, settings: Settings) -> None:
+    """Refuse a stress profile of a scene that has forces or momenta which belong to no layer.
+
+    Raises:
+        SceneError: CONTROL asks for one.
+    """
+    message = why_not_in_layers(scene)
+    if scene.output.profile.every > 0 and message:
+        raise settings.refusal("stress_profile_frequency", message)
+
+
+def why_not_in_layers(scene: Scene) -> str:
+    """Return what of a scene's stress cannot be given in layers, empty when all can."""
+    if scene.electrostatics is not None:
+        return "the stress of charges is not resolved in layers; switch coul_method or the profile off"
+    if scene.constraints is not None:
+        return "the stress in layers is not modelled with constraints"
+    if scene.dynamics.shear_rate != 0.0:
+        return "in a sheared cell momenta belong to the flow as well; they are not resolved in layers"
     return ""
 
 

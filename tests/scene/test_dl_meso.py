@@ -236,11 +236,6 @@ def test_scaling_acts_in_the_equilibration_only(tmp_path: Path) -> None:
             "FIELD:14: 'units': energies in k_B T can be taken only at temperature 1, not at 2; write them as numbers",
         ),
         (
-            {"nfold": "2 1 1"},
-            FIELD,
-            "CONTROL:9: 'nfold': nfold [ 2 1 1 ] is not modelled: replication of the cell",
-        ),
-        (
             {"volume": None, "boundary": "halo 2"},
             FIELD,
             "CONTROL: 'volume': there is no CONFIG, and no volume in a CONTROL of DL_MESO's dialect to place the beads "
@@ -429,3 +424,10 @@ def test_convert_command(command, tmp_path: Path) -> None:
     code, _, told = command("convert", source / "CONTROL")
     assert code == 1
     assert "convert its folder --to dl_poly" in told
+
+
+def test_nfold_repeats_the_cell(tmp_path: Path) -> None:
+    once = load(folder(tmp_path / "once", {}, FIELD))
+    twice = load(folder(tmp_path / "twice", {"nfold": "2 1 1"}, FIELD))
+    assert twice.bead_count == 2 * once.bead_count
+    assert twice.cell.diagonal() == pytest.approx(once.cell.diagonal() * (2.0, 1.0, 1.0))

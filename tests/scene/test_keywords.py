@@ -64,7 +64,7 @@ def test_every_used_keyword_is_asked_for(make, readings):
     make(control={"coul_method": "reaction_field", **bjerrum}, **charged).scene()
     consumed = set().union(*(settings.consumed for settings in readings))
     used = {row.keyword for row in KEYWORDS.values() if is_used(row)}
-    assert len(readings) == 12 + len(orders)
+    assert len(readings) == 13 + len(orders)
     assert used - consumed == set()
     assert consumed - used == set()  # nothing that the table calls ignored or refused is read
 
