@@ -243,7 +243,7 @@ def test_fields_that_turn_velocities_do_not_go_with_constraints(make: Any, field
     with pytest.raises(SceneError) as caught:
         given.scene()
     assert str(caught.value) == (
-        "FIELD:23: 'magn': constraints are not modelled with a field that sets or turns velocities"
+        "FIELD:21: 'magn': constraints are not modelled with a field that sets or turns velocities"
     )
 
 
