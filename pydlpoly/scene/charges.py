@@ -110,6 +110,7 @@ def resolve_charges(
     cutoff: float,
     cell: FloatArray,
     imcon: int,
+    periodic: tuple[bool, bool, bool],
     notes: Notes,
 ) -> Electrostatics | None:
     """Return the electrostatics, or None when there are no charges or no method.
@@ -122,6 +123,7 @@ def resolve_charges(
         cutoff: the global cutoff (Å), where the part between pairs ends.
         cell: (3, 3) cell vectors by row.
         imcon: the shape of the cell; Ewald's sums need 1, 2 or 3.
+        periodic: along which cell vectors; walls end periodicity.
         notes: receives choices and what has no effect.
 
     Raises:
@@ -136,7 +138,7 @@ def resolve_charges(
         text = f"the charges of {charged_names(layout)} are ignored because coul_method is off"
         notes.warning(text, place(field.path, None))
         return None
-    _check_images(settings, cell, cutoff, imcon)
+    _check_images(settings, cell, cutoff, periodic)
     amount, origin = strength.value()
     shape, length, shape_text = _shape(settings, method, cutoff, notes)
     alpha, counts, order = 0.0, (0, 0, 0), 0
@@ -146,6 +148,11 @@ def resolve_charges(
             message = f"{method} sums over reciprocal vectors and needs a cell that is periodic along all three axes "
             message += f"(imcon 1, 2 or 3), not imcon {imcon}; pairwise, dddp, reaction_field and force_shifted do not"
             raise settings.refusal("coul_method", message)
+        if not all(periodic):
+            message = f"{method} sums over all images, but walls end the periodicity of an axis; "
+            raise settings.refusal(
+                "coul_method", f"{message}pairwise, dddp, reaction_field and force_shifted end there"
+            )
         alpha, counts, order, texts = _ewald(settings, method, cutoff, cell, notes)
     elif method in ("force_shifted", "reaction_field"):
         alpha, texts = _damping(settings, cutoff)
@@ -168,9 +175,8 @@ def resolve_charges(
     )
 
 
-def _check_images(settings: Settings, cell: FloatArray, cutoff: float, imcon: int) -> None:
-    axes = {0: 0, 6: 2}.get(imcon, 3)
-    images = math.prod(2.0 * math.ceil(cutoff / width) + 1.0 for width in widths(cell)[:axes].tolist())
+def _check_images(settings: Settings, cell: FloatArray, cutoff: float, periodic: tuple[bool, bool, bool]) -> None:
+    images = math.prod(2.0 * math.ceil(cutoff / width) + 1.0 for width in widths(cell)[list(periodic)].tolist())
     if images > _MOST_IMAGES:
         message = f"{images:.3g} images of each charge lie within the cutoff {cutoff:g} ang, more than {_MOST_IMAGES}: "
         raise settings.refusal("cutoff", message + "the cell is too small for it")

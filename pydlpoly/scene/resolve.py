@@ -95,7 +95,7 @@ def resolve(
     if dynamics.shear_rate != 0.0:
         imcon = SHEARED_SHAPE
     strength = Strength(settings, field_units.reduced, dynamics)
-    electrostatics = resolve_charges(settings, field, layout, strength, cutoffs[0], cell, imcon, notes)
+    electrostatics = resolve_charges(settings, field, layout, strength, cutoffs[0], cell, imcon, periodic, notes)
     pairs = resolve_pairs(settings, field, field_units.factor, layout, dynamics, cutoffs, tables, notes)
     check_limits(dynamics, pairs, layout, settings, notes)
     note_small_cell(pairs, widths(cell)[list(periodic)].tolist(), notes)

@@ -228,3 +228,10 @@ def test_bjerrum_length_needs_a_temperature(make):
     control = {"ensemble": "nve", "ensemble_method": None, "ensemble_dpd_order": None, "temperature": "0 dpd_temp"}
     with pytest.raises(SceneError, match="the scene needs a temperature above 0"):
         electrostatics(make, {**control, "coul_method": "pairwise", **GIVEN})
+
+
+def test_ewalds_sums_do_not_go_with_walls(make):
+    walls = {"wall_method": "reflecting"}
+    with pytest.raises(SceneError, match="'coul_method': spme sums over all images, but walls end the periodicity"):
+        make(control={**EWALD, **walls}, atoms=IONS).scene()
+    assert electrostatics(make, {"coul_method": "force_shifted", **GIVEN, **walls}).method == "force_shifted"
