@@ -165,6 +165,8 @@ class TemperatureSamples:
                     )
         if self._scene.external:
             return "an external field heats the beads faster than they lose heat, or the timestep is too long"
+        if dynamics.shear_rate != 0.0:
+            return "shear heats the beads faster than they lose heat, or the timestep is too long"
         if dynamics.schedule is not None:
             return "the temperature changes faster than the beads follow, or the timestep is too long"
         unit = "" if self._scene.units.reduced else " ps"

@@ -266,7 +266,7 @@ def test_refusals_name_the_field(extern: str, imcon: int, message: str) -> None:
     [
         ({"ensemble_dpd_order": "scvv"}, "scvv is not modelled with the field magn"),
         ({"ensemble_dpd_order": "dpdvv"}, "dpdvv is not modelled with the field magn"),
-        ({"ensemble_dpd_lambda": "0.65"}, "'ensemble_dpd_lambda': the field magn goes with lambda 0.5 only"),
+        ({"ensemble_dpd_lambda": "0.65"}, "'ensemble_dpd_lambda': the field magn: lambda 0.5 only"),
     ],
 )
 def test_integrators_that_magn_does_not_fit_are_refused(control: dict[str, str | None], message: str) -> None:

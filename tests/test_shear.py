@@ -12,6 +12,7 @@ from pydlpoly import Scene, Simulation, single_point
 from pydlpoly.errors import InputError
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.reporters import configuration_of
+from pydlpoly.tradeoff.candidates import candidates_for
 from tests.molecule_builder import molecule_scene
 from tests.scene_builder import NVE, make_scene, random_positions
 
@@ -274,3 +275,17 @@ def test_it_is_explained() -> None:
     scene = make_scene({"A": 60}, cell=5.0, control=sheared(0.1))
     assert "Lees-Edwards boundaries: flow along x, gradient along y, shear rate 0.1" in scene.explain()
     assert "general path: the cell is sheared" in scene.explain()
+
+
+def test_the_tradeoff_leaves_out_what_does_not_fit() -> None:
+    def refused(**settings: object) -> dict[str, set[bool]]:
+        scene = make_scene({"A": 60}, cell=5.0, **settings)  # type: ignore[arg-type]
+        found: dict[str, set[bool]] = {}
+        for candidate in candidates_for(scene, integrators=["mdvv", "middle", "scvv", "ou-middle"]):
+            found.setdefault(candidate.integrator, set()).add(bool(candidate.refused))
+        return found
+
+    for settings in ({"control": sheared(0.1)}, {"control": {"wall_method": "reflecting"}}):
+        found = refused(**settings)
+        assert (found["mdvv"], found["scvv"], found["ou-middle"]) == ({True, False}, {True}, {False})
+    assert refused()["scvv"] == {False}

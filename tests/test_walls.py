@@ -212,7 +212,7 @@ def test_frozen_walls_hold_the_fluid_and_its_flow() -> None:
     [
         ({}, {"imcon": 6}, "'wall_method': walls need a cubic or orthorhombic cell (imcon 1 or 2), not imcon 6"),
         ({"ensemble_dpd_order": "scvv"}, {}, "'wall_method': scvv is not modelled with walls"),
-        ({"ensemble_dpd_lambda": "0.65"}, {}, "'ensemble_dpd_lambda': walls go with lambda 0.5 only"),
+        ({"ensemble_dpd_lambda": "0.65"}, {}, "'wall_method': walls: lambda 0.5 only"),
         (
             {"wall_position": "2.6 ang"},
             {},

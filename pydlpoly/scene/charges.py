@@ -111,6 +111,7 @@ def resolve_charges(
     cell: FloatArray,
     imcon: int,
     periodic: tuple[bool, bool, bool],
+    fields: bool,
     notes: Notes,
 ) -> Electrostatics | None:
     """Return the electrostatics, or None when there are no charges or no method.
@@ -124,6 +125,7 @@ def resolve_charges(
         cell: (3, 3) cell vectors by row.
         imcon: the shape of the cell; Ewald's sums need 1, 2 or 3.
         periodic: along which cell vectors; walls end periodicity.
+        fields: whether an external field acts on charges.
         notes: receives choices and what has no effect.
 
     Raises:
@@ -135,8 +137,10 @@ def resolve_charges(
             notes.ignored(f"coul_method {method} has no effect: no bead is charged", settings.where("coul_method"))
         return None
     if method == "off":
-        text = f"the charges of {charged_names(layout)} are ignored because coul_method is off"
-        notes.warning(text, place(field.path, None))
+        what = "act in the external field alone" if fields else "are ignored"
+        notes.warning(
+            f"the charges of {charged_names(layout)} {what} because coul_method is off", place(field.path, None)
+        )
         return None
     _check_images(settings, cell, cutoff, periodic)
     amount, origin = strength.value()

@@ -24,9 +24,19 @@ TESLA = 1.0 / 1.037837512e4
 ON_CHARGES = ("elec", "magn", "osel")
 """Fields that act on charges alone."""
 
-WITH_MAGNETIC_FIELD = ("nve", "mdvv", "zeroth", "first", "second", "peters", "peters-first", "lowe-andersen",
-                       "stoyanov-groot", "ou", "ou-middle", "middle", "langevin")  # fmt: skip
-"""Integrators whose drift follows the helices of beads in a magnetic field."""
+WITH_FLIGHTS = ("nve", "mdvv", "zeroth", "first", "second", "peters", "peters-first", "lowe-andersen",
+                "stoyanov-groot", "ou", "ou-middle", "middle", "langevin")  # fmt: skip
+"""Integrators whose drift follows any path between two kicks: helices in a magnetic field, or up to a wall and back."""
+
+
+def unfit_for_flight(dynamics: Dynamics, what: str) -> tuple[str, str] | None:
+    """Return the keyword and the reason where a drift along such paths does not fit the integrator, else None."""
+    if dynamics.integrator not in WITH_FLIGHTS:
+        names = ", ".join(WITH_FLIGHTS)
+        return "ensemble_dpd_order", f"{dynamics.integrator} is not modelled with {what}; these are: {names}"
+    if dynamics.integrator == "mdvv" and dynamics.prediction != 0.5:
+        return "ensemble_dpd_lambda", f"{what}: lambda 0.5 only, because velocities turn within the drift"
+    return None
 
 
 @dataclass(frozen=True)
@@ -138,11 +148,7 @@ def _term(line: ExternalLine, field: Field, units: EnergyUnit, imcon: int, notes
 
 
 def _check_integrator(dynamics: Dynamics, settings: Settings) -> None:
-    if dynamics.integrator not in WITH_MAGNETIC_FIELD:
-        keyword = "ensemble_dpd_order" if settings.given("ensemble_dpd_order") else "ensemble_method"
-        names = ", ".join(WITH_MAGNETIC_FIELD)
-        raise settings.refusal(
-            keyword, f"{dynamics.integrator} is not modelled with the field magn; these are: {names}"
-        )
-    if dynamics.integrator == "mdvv" and dynamics.prediction != 0.5:
-        raise settings.refusal("ensemble_dpd_lambda", "the field magn goes with lambda 0.5 only: it turns velocities")
+    unfit = unfit_for_flight(dynamics, "the field magn")
+    if unfit is not None:
+        keyword = unfit[0] if settings.given(unfit[0]) else "ensemble_method"
+        raise settings.refusal(keyword, unfit[1])

@@ -16,7 +16,7 @@ from pydlpoly.scene.cell import resolve_cell, widths, wrap
 from pydlpoly.scene.charges import Strength, resolve_charges
 from pydlpoly.scene.constraints import left_by, resolve_constraints
 from pydlpoly.scene.dynamics import check_limits, resolve_dynamics, resolve_run, settle_momentum, start_velocities
-from pydlpoly.scene.external import resolve_external
+from pydlpoly.scene.external import ON_CHARGES, resolve_external
 from pydlpoly.scene.interactions import (
     check_image_noise,
     long_range_correction,
@@ -95,7 +95,10 @@ def resolve(
     if dynamics.shear_rate != 0.0:
         imcon = SHEARED_SHAPE
     strength = Strength(settings, field_units.reduced, dynamics)
-    electrostatics = resolve_charges(settings, field, layout, strength, cutoffs[0], cell, imcon, periodic, notes)
+    fields = any(term.key in ON_CHARGES for term in external)
+    electrostatics = resolve_charges(
+        settings, field, layout, strength, cutoffs[0], cell, imcon, periodic, fields, notes
+    )
     pairs = resolve_pairs(settings, field, field_units.factor, layout, dynamics, cutoffs, tables, notes)
     check_limits(dynamics, pairs, layout, settings, notes)
     note_small_cell(pairs, widths(cell)[list(periodic)].tolist(), notes)

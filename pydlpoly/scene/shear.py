@@ -20,6 +20,19 @@ SHEARED_SHAPE = 3
 """The cell of a sheared scene tilts: its files have imcon 3."""
 
 
+def unfit_for_shear(dynamics: Dynamics) -> tuple[str, str] | None:
+    """Return the keyword and the reason where a sheared cell does not fit the integrator, else None."""
+    if dynamics.integrator not in WITH_SHEAR:
+        message = f"{dynamics.integrator} is not modelled in a sheared cell; these are: {', '.join(WITH_SHEAR)}"
+        return "shear_rate", message
+    if dynamics.integrator == "mdvv" and dynamics.prediction != 0.5:
+        return "ensemble_dpd_lambda", "a sheared cell goes with lambda 0.5 only"
+    if dynamics.half_step_kinetic:
+        message = "half is not modelled in a sheared cell: the flow at a bead belongs to the whole step"
+        return "ensemble_dpd_kinetic", message
+    return None
+
+
 def resolve_shear(settings: Settings, dynamics: Dynamics, notes: Notes) -> Dynamics:
     """Return the dynamics with the shear rate of CONTROL (1/ps).
 
@@ -31,14 +44,9 @@ def resolve_shear(settings: Settings, dynamics: Dynamics, notes: Notes) -> Dynam
         return dynamics
     if not math.isfinite(rate):
         raise settings.refusal("shear_rate", "the shear rate must be finite")
-    if dynamics.integrator not in WITH_SHEAR:
-        message = f"{dynamics.integrator} is not modelled in a sheared cell; these are: {', '.join(WITH_SHEAR)}"
-        raise settings.refusal("shear_rate", message)
-    if dynamics.integrator == "mdvv" and dynamics.prediction != 0.5:
-        raise settings.refusal("ensemble_dpd_lambda", "a sheared cell goes with lambda 0.5 only")
-    if dynamics.half_step_kinetic:
-        message = "half is not modelled in a sheared cell: the flow at a bead belongs to the whole step"
-        raise settings.refusal("ensemble_dpd_kinetic", message)
+    unfit = unfit_for_shear(dynamics)
+    if unfit is not None:
+        raise settings.refusal(*unfit)
     if dynamics.barostat is not None:
         raise settings.refusal("shear_rate", "a cell that follows the pressure cannot be sheared")
     if settings.word("coul_method") != "off":

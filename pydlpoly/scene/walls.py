@@ -10,13 +10,11 @@ from numpy.typing import NDArray
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import Configuration, FloatArray
 from pydlpoly.scene.beads import Layout
-from pydlpoly.scene.external import WITH_MAGNETIC_FIELD
+from pydlpoly.scene.external import unfit_for_flight
 from pydlpoly.scene.model import Dynamics, ExternalTerm, Walls
 from pydlpoly.scene.settings import Notes, Settings
 
 _KEYWORDS = ("wall_axes", "wall_position", "wall_strength", "wall_range")
-WITH_WALLS = WITH_MAGNETIC_FIELD
-"""Integrators whose drift meets walls: those that follow any path between two kicks."""
 
 
 def resolve_walls(
@@ -51,11 +49,9 @@ def resolve_walls(
     if config.imcon not in (1, 2):
         raise settings.refusal("wall_method", f"walls need a cubic or orthorhombic cell (imcon 1 or 2), not imcon "
                                f"{config.imcon}")  # fmt: skip
-    if dynamics.integrator not in WITH_WALLS:
-        names = ", ".join(WITH_WALLS)
-        raise settings.refusal("wall_method", f"{dynamics.integrator} is not modelled with walls; these are: {names}")
-    if dynamics.integrator == "mdvv" and dynamics.prediction != 0.5:
-        raise settings.refusal("ensemble_dpd_lambda", "walls go with lambda 0.5 only: they reverse velocities")
+    unfit = unfit_for_flight(dynamics, "walls")
+    if unfit is not None:
+        raise settings.refusal("wall_method", unfit[1])
     if dynamics.barostat is not None:
         raise settings.refusal("wall_method", "walls are not modelled in a cell that follows the pressure")
     if any(term.key == "magn" for term in external):

@@ -10,8 +10,10 @@ from typing import get_args
 from pydlpoly.engines.native import NativeEngine
 from pydlpoly.errors import SceneError, suggest
 from pydlpoly.scene.dynamics import limit_exceeded
+from pydlpoly.scene.external import unfit_for_flight
 from pydlpoly.scene.integrators import INTEGRATORS
 from pydlpoly.scene.model import Dynamics, Precision, Scene
+from pydlpoly.scene.shear import unfit_for_shear
 
 MULTIPLES = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0)
 """Timesteps that are tried, in units of the scene's."""
@@ -185,7 +187,17 @@ def _judged(scene: Scene, candidate: Candidate) -> Candidate:
     dynamics = variant(scene, candidate).dynamics
     beads = scene.beads
     limit = limit_exceeded(dynamics, scene.pairs, scene.species, beads.mass, beads.species, beads.frozen)
-    return replace(candidate, own=_same(dynamics, scene.dynamics), refused=limit or "")
+    return replace(candidate, own=_same(dynamics, scene.dynamics), refused=limit or _unfit(scene, dynamics))
+
+
+def _unfit(scene: Scene, dynamics: Dynamics) -> str:
+    """Why the integrator does not go with shear, walls or a magnetic field of the scene, else an empty string."""
+    reasons = []
+    if dynamics.shear_rate != 0.0:
+        reasons.append(unfit_for_shear(dynamics))
+    if scene.walls is not None or any(term.key == "magn" for term in scene.external):
+        reasons.append(unfit_for_flight(dynamics, "walls or the field magn"))
+    return next((reason[1] for reason in reasons if reason is not None), "")
 
 
 def _same(one: Dynamics, other: Dynamics) -> bool:

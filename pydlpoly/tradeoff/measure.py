@@ -221,9 +221,11 @@ class _Measurement:
         usual = temperature
         if dynamics.integrator != "nve":
             usual = dynamics.thermal_energy / units.boltzmann
-            wanted = None if scene.external else usual
-            if scene.external:
-                self.notes.append("external fields do work: temperatures are compared with the reference's")
+            driven = scene.external or dynamics.shear_rate != 0.0
+            wanted = None if driven else usual
+            if driven:
+                cause = "external fields do" if scene.external else "shear does"
+                self.notes.append(f"{cause} work: temperatures are compared with the reference's")
         if dynamics.schedule is not None:
             self.notes.append(f"the temperature is held at {usual:g}; its schedule is left out")
         first, second = np.triu_indices(len(scene.species))

@@ -235,3 +235,8 @@ def test_ewalds_sums_do_not_go_with_walls(make):
     with pytest.raises(SceneError, match="'coul_method': spme sums over all images, but walls end the periodicity"):
         make(control={**EWALD, **walls}, atoms=IONS).scene()
     assert electrostatics(make, {"coul_method": "force_shifted", **GIVEN, **walls}).method == "force_shifted"
+
+
+def test_charges_in_a_field_are_not_said_to_be_ignored(make):
+    scene = make(atoms=IONS, after="extern\nelec 1.0 0.0 0.0").scene()
+    assert "the charges of A, B act in the external field alone because coul_method is off" in texts(scene, "warning")
