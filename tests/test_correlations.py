@@ -83,8 +83,9 @@ def test_the_einstein_sum_is_the_integral() -> None:
     assert np.mean(carried**2) == pytest.approx(2.0 * (weights @ values) - 10.0 * values[0], rel=5e-3)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("order", ["mdvv", "first"])
+@pytest.mark.parametrize(
+    "order", [pytest.param("mdvv", marks=pytest.mark.slow), pytest.param("first", marks=pytest.mark.long)]
+)
 def test_viscosity_of_dpd_water(order: str) -> None:
     """0.84 ± 0.05 at ρ = 3, A = 25, γ = 4.5, k_B T = 1 (0.80 to 0.88 in print).
 
