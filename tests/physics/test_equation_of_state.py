@@ -1,9 +1,9 @@
 """Pressure and energy of soft fluids against published numbers: every integrator at one point, one at many points.
 
 Targets at A = 25, ρ = 3, k_B T = 1: P = 23.65 ± 0.02 (Monte Carlo, P. B. Warren's pyHNC) and 4.551 per bead (LAMMPS;
-long runs at short steps give 4.5465 ± 0.0005). The other points have A ρ / k_B T = 75 and come from the example `dpd` of
-M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids (2017): mean of its results with Lowe's and Shardlow's
-thermostats, which differ by 0.008 at most.
+long runs at short steps give 4.5465 ± 0.0005). The other points have A ρ / k_B T = 75. They come from the example `dpd`
+of M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids (2017): mean of its results with the thermostats of
+Lowe and Shardlow, which differ by 0.008 at most.
 """
 
 from __future__ import annotations
