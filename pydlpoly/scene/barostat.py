@@ -9,7 +9,7 @@ from typing import cast
 import numpy as np
 
 from pydlpoly.formats.records import Configuration, Field
-from pydlpoly.scene.beads import Layout
+from pydlpoly.scene.beads import Layout, has_tethers
 from pydlpoly.scene.integrators import WITH_BAROSTAT
 from pydlpoly.scene.model import Barostat, CellMotion, Dynamics, ExternalTerm, SemiIsotropic
 from pydlpoly.scene.settings import Notes, Settings
@@ -111,12 +111,7 @@ def check_barostat(
         f"periodicity key imcon {config.imcon} is not modelled with it; 1 and 2 are": config.imcon not in (1, 2),
         "frozen beads are not modelled with it": bool(layout.frozen.any()),
         "external fields are not modelled with it": bool(external),
-        "tethers are not modelled with it": any(
-            block.directive == "tethers" and block.lines
-            for molecule in field.molecules
-            if molecule.count
-            for block in molecule.blocks
-        ),
+        "tethers are not modelled with it": has_tethers(field),
     }
     for reason, met in reasons.items():
         if met:

@@ -130,3 +130,9 @@ def _site_name(molecule: Molecule, site: int) -> str:
             return atom.name
         site -= atom.repeat
     raise AssertionError("the site lies beyond the molecule")
+
+
+def has_tethers(field: Field) -> bool:
+    """Whether a molecule that is there has tethers."""
+    blocks = [block for molecule in field.molecules if molecule.count for block in molecule.blocks]
+    return any(block.directive == "tethers" and block.lines for block in blocks)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pydlpoly.formats.records import Configuration, Field, FloatArray
-from pydlpoly.scene.beads import Layout
+from pydlpoly.scene.beads import Layout, has_tethers
 from pydlpoly.scene.model import Dynamics, ExternalTerm, Walls
 from pydlpoly.scene.settings import Notes, Settings
 
@@ -79,12 +79,7 @@ def check_shear(
         "frozen beads are not modelled with it": bool(layout.frozen.any()),
         "external fields are not modelled with it": bool(external),
         "walls are not modelled with it": walls is not None,
-        "tethers are not modelled with it": any(
-            block.directive == "tethers" and block.lines
-            for molecule in field.molecules
-            if molecule.count
-            for block in molecule.blocks
-        ),
+        "tethers are not modelled with it": has_tethers(field),
     }
     for reason, met in reasons.items():
         if met:
