@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -89,8 +90,9 @@ class _Distribution(Analysis[Distributions]):
         self._density.add(rows)
         self._moments.add([(one.mean(), np.mean(one**2)) for one in values])
 
+    @abstractmethod
     def _values(self, frame: Frame, ids: NDArray[np.int64]) -> FloatArray:
-        raise NotImplementedError
+        """Return the value of every term, beads by ids, (n, beads of a term)."""
 
     def result(self) -> Distributions:
         """Return distributions and means."""
