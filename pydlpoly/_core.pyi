@@ -607,6 +607,15 @@ class System:
         Brings positions that were set back into the cell, counting the cells they cross.
         """
     @property
+    def bead_temperatures(self) -> list[float]:
+        """
+        Internal temperatures (N,) as k_B T; empty: beads have none.
+        """
+    @bead_temperatures.setter
+    def bead_temperatures(
+        self, arg1: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]
+    ) -> None: ...
+    @property
     def bonded_energies(self) -> list[float]:
         """
         Energies of bonds, angles, dihedrals, inversions and tethers.
@@ -632,6 +641,13 @@ class System:
         """
         Σ F_a r_b of the electrostatics.
         """
+    @property
+    def concentrations(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        Of dissolved species in the beads, (N, species); empty: beads carry none.
+        """
+    @concentrations.setter
+    def concentrations(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None: ...
     @property
     def conservative_virial_tensor(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]: ...
     @property
@@ -659,6 +675,13 @@ class System:
     def forces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]: ...
     @forces.setter
     def forces(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None: ...
+    @property
+    def heat_capacities(self) -> list[float]:
+        """
+        C_v/k_B of the beads (N,); empty: beads have none.
+        """
+    @heat_capacities.setter
+    def heat_capacities(self, arg1: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None: ...
     @property
     def images(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 3]"]: ...
     @images.setter

@@ -460,6 +460,10 @@ class Simulation:
             "start_cell": self.start_cell,
             "thermostat": np.asarray(system.thermostat, dtype=np.float64),
         }
+        if self.scene.beads.temperature is not None:
+            arrays["bead_temperatures"] = np.asarray(system.bead_temperatures)
+        if self.scene.beads.concentrations is not None:
+            arrays["concentrations"] = np.asarray(system.concentrations)
         if self.scene.output.rdf_every > 0:
             arrays["distance_counts"] = np.asarray(system.distance_counts())
         for reporter in self.reporters:
@@ -517,6 +521,10 @@ class Simulation:
         system.positions = arrays["positions"]
         system.velocities = arrays["velocities"]
         system.thermostat = arrays["thermostat"].tolist()
+        if self.scene.beads.temperature is not None:
+            system.bead_temperatures = arrays["bead_temperatures"].tolist()
+        if self.scene.beads.concentrations is not None:
+            system.concentrations = arrays["concentrations"]
         self._engine.initialise()
         system.velocities = arrays["velocities"]  # of the whole step; some fields prescribe others between its kicks
         # The stored forces and totals hold the drag of the half-step velocities, which are gone.

@@ -4,6 +4,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -99,6 +100,12 @@ class PairTableBuilder {
     PairTable table_;
     bool taken_ = false;
 };
+
+// Whether there is one finite number above a bound for every bead.
+bool fits(const System& system, const std::vector<double>& values, double bound) {
+    return values.size() == system.state.particles.mass.size() &&
+           std::ranges::all_of(values, [bound](double value) { return std::isfinite(value) && value > bound; });
+}
 
 System make_system(const Matrix3& cell, std::array<bool, 3> periodic, Array3N positions, Array3N velocities,
                    std::vector<double> mass, std::vector<std::int32_t> species, std::vector<bool> frozen,
@@ -380,6 +387,30 @@ void bind_system(py::module_& m) {
                 require(value.rows() == s.state.particles.count(), "images must be of shape (N, 3)");
                 s.state.particles.image = value;
             })
+        .def_property(
+            "bead_temperatures", [](const System& s) { return s.state.particles.temperature; },
+            [](System& s, std::vector<double> values) {
+                require(values.empty() || fits(s, values, 0.0), "temperatures must be finite, above 0 and one a bead");
+                s.state.particles.temperature = std::move(values);
+                s.ready = false;
+            },
+            "Internal temperatures (N,) as k_B T; empty: beads have none.")
+        .def_property(
+            "heat_capacities", [](const System& s) { return s.state.particles.heat_capacity; },
+            [](System& s, std::vector<double> values) {
+                require(values.empty() || fits(s, values, 0.0), "heat capacities must be finite, above 0, one a bead");
+                s.state.particles.heat_capacity = std::move(values);
+            },
+            "C_v/k_B of the beads (N,); empty: beads have none.")
+        .def_property(
+            "concentrations", [](const System& s) { return s.state.particles.concentration; },
+            [](System& s, const ArrayXN& values) {
+                require(values.size() == 0 || (values.rows() == s.state.particles.count() && values.allFinite() &&
+                                               values.minCoeff() >= 0.0),
+                        "concentrations must be finite, not negative and of shape (N, species)");
+                s.state.particles.concentration = values;
+            },
+            "Of dissolved species in the beads, (N, species); empty: beads carry none.")
         .def(
             "wrap",
             [](System& s) {

@@ -16,6 +16,10 @@ struct Particles {
     std::vector<double> mass;
     std::vector<std::int32_t> species;
     std::vector<std::uint8_t> frozen;
+    // What beads carry, in scenes that model it; else empty.
+    std::vector<double> temperature;    // internal, as k_B T
+    std::vector<double> heat_capacity;  // C_v/k_B: the internal energy is their product
+    ArrayXN concentration;              // of dissolved species, (beads, species)
 
     [[nodiscard]] Eigen::Index count() const noexcept { return position.rows(); }
 

@@ -38,6 +38,21 @@ PairForces::PairForces(PairTable table, double thermal_energy, double timestep)
     base_energy_exponent_ = grid_exponent(force * std::max(table_.range(), 1e-6));
 }
 
+void PairForces::add_modifier(std::shared_ptr<PairModifier> modifier) {
+    const double force = modifier->characteristic_force();
+    if (force > 0.0) {
+        base_exponent_ = std::min(base_exponent_, grid_exponent(force));
+        base_energy_exponent_ = std::min(base_energy_exponent_, grid_exponent(force * std::max(table_.range(), 1e-6)));
+    }
+    modifiers_.push_back(std::move(modifier));
+}
+
+void PairForces::prepare_modifiers(const Box& box, const Particles& particles, int threads) {
+    for (const auto& modifier : modifiers_) {
+        modifier->prepare(*this, box, particles, threads);
+    }
+}
+
 void PairForces::compute(const Box& box, Particles& particles, const Array3N& velocity, const ForceRequest& request,
                          PairTotals& totals) {
     totals = PairTotals();
@@ -50,6 +65,7 @@ void PairForces::compute(const Box& box, Particles& particles, const Array3N& ve
     walk.motion = (request.drag || request.noise) && table_.has_drag();
     walk.threads = useful_threads(particles.count());
     update_list(box, particles, walk.threads);
+    prepare_modifiers(box, particles, walk.threads);
     if (walk.motion) {
         gather_motion(velocity, request, walk.threads);
     }
@@ -76,6 +92,9 @@ void PairForces::compute(const Box& box, Particles& particles, const Array3N& ve
     spread_forces(particles, std::ldexp(1.0, -exponent), walk.threads);
     if (request.observe) {
         collect_totals(energy_exponent, totals);
+        for (const auto& modifier : modifiers_) {
+            totals.energy += request.conservative ? modifier->energy() : 0.0;
+        }
     }
 }
 
@@ -91,6 +110,7 @@ double PairForces::curvature(const Box& box, const Particles& particles) {
     const int exponent = base_exponent_ + std::min(0, static_cast<int>(std::floor(std::log2(range))));
     walk.scale = std::ldexp(1.0, exponent);
     update_list(box, particles, walk.threads);
+    prepare_modifiers(box, particles, walk.threads);
     static_cast<void>(visit_pairs(walk));
     WideSum sum;
     bool lost = false;
@@ -98,18 +118,30 @@ double PairForces::curvature(const Box& box, const Particles& particles) {
         sum.add(worker->curvature);
         lost = lost || worker->curvature_lost;
     }
-    return lost ? std::numeric_limits<double>::quiet_NaN() : sum.value(exponent);
+    double of_beads = 0.0;
+    for (const auto& modifier : modifiers_) {
+        of_beads += modifier->curvature(*this, box, particles);
+    }
+    return lost ? std::numeric_limits<double>::quiet_NaN() : sum.value(exponent) + of_beads;
 }
 
 void PairForces::visit(const Box& box, const Particles& particles, PairVisitor& visitor) {
     if (table_.range() <= 0.0 || particles.count() == 0) {
         return;
     }
+    const int threads = useful_threads(particles.count());
+    update_list(box, particles, threads);
+    if (visitor.wants_factors()) {
+        prepare_modifiers(box, particles, threads);
+    }
+    show(visitor, threads);
+}
+
+void PairForces::show(PairVisitor& visitor, int threads) {
     PairWalk walk;
     walk.forces = false;
     walk.visitor = &visitor;
-    walk.threads = useful_threads(particles.count());
-    update_list(box, particles, walk.threads);
+    walk.threads = threads;
     static_cast<void>(visit_pairs(walk));
 }
 
@@ -122,6 +154,9 @@ void PairForces::add_curvature(const PairWalk& walk, PairWorker& worker) const {
     const std::vector<std::uint32_t>& order = list_.order();
     std::array<double, batch_capacity> curvature;
     pair_curvature(*kernel, worker.batch, curvature.data());
+    for (const auto& modifier : modifiers_) {
+        modifier->change_curvature(worker.batch, curvature.data());
+    }
     for (std::size_t k = 0; k < worker.batch.size; ++k) {
         const std::uint32_t i = worker.batch.i.values[k];
         const std::uint32_t j = worker.batch.j.values[k];
@@ -288,8 +323,13 @@ void PairForces::finish_batch(const PairWalk& walk, PairWorker& worker) {
     if (!walk.forces) {
         if (walk.visitor == nullptr) {
             add_curvature(walk, worker);
+        } else if (!walk.visitor->wants_factors()) {
+            walk.visitor->visit(batch, nullptr, list_.order().data(), thread_number());
         } else if (const PairKernel* kernel = table_.kernel(batch.term)) {
             kernel->evaluate(batch, worker.result);
+            for (const auto& modifier : modifiers_) {
+                modifier->change_conservative(batch, worker.result);
+            }
             walk.visitor->visit(batch, worker.result.conservative.values, list_.order().data(), thread_number());
         }
         batch.size = 0;
@@ -300,6 +340,9 @@ void PairForces::finish_batch(const PairWalk& walk, PairWorker& worker) {
     const std::size_t whole = (batch.size + batch_lanes - 1) / batch_lanes * batch_lanes;
     if (const PairKernel* kernel = walk.request.conservative ? table_.kernel(batch.term) : nullptr) {
         kernel->evaluate(batch, result);
+        for (const auto& modifier : modifiers_) {
+            modifier->change_conservative(batch, result);
+        }
     } else {
         std::fill_n(result.energy.values, whole, 0.0);
         std::fill_n(result.conservative.values, whole, 0.0);
@@ -309,6 +352,11 @@ void PairForces::finish_batch(const PairWalk& walk, PairWorker& worker) {
         evaluate_motion(batch, result, walk.request);
         if (walk.request.shear_rate != 0.0 && walk.request.drag) {
             add_drag_of_shear(batch, result, walk.request);
+        }
+        for (const auto& modifier : modifiers_) {
+            if (modifier->changes_motion()) {
+                modifier->change_motion(batch, result, table_.drags()[batch.term], walk.request);
+            }
         }
     }
     bool fits = phases_->round(batch, result, motion, walk.scale);

@@ -11,6 +11,7 @@
 #include "core/particles.hpp"
 #include "forces/exclusions.hpp"
 #include "forces/pair_list.hpp"
+#include "forces/pair_modifier.hpp"
 #include "forces/pair_phases.hpp"
 #include "forces/pair_table.hpp"
 #include "forces/pair_worker.hpp"
@@ -45,6 +46,10 @@ class PairForces {
     [[nodiscard]] bool has_exclusions() const noexcept { return !exclusions_.empty(); }
     [[nodiscard]] const Exclusions& exclusions() const noexcept { return exclusions_; }
 
+    // Adds a part that needs more than distances; they act in the order they were added.
+    void add_modifier(std::shared_ptr<PairModifier> modifier);
+    [[nodiscard]] const std::vector<std::shared_ptr<PairModifier>>& modifiers() const noexcept { return modifiers_; }
+
     // Writes the pair force on every bead to particles.force (frozen beads: zero). Drag uses `velocity`.
     // Throws RunFailure when a pair's force is not finite, naming both beads.
     void compute(const Box& box, Particles& particles, const Array3N& velocity, const ForceRequest& request,
@@ -55,6 +60,11 @@ class PairForces {
 
     // Shows the visitor every pair within its reach.
     void visit(const Box& box, const Particles& particles, PairVisitor& visitor);
+
+    // The same for the pair list as it is, within PairModifier::prepare.
+    void show(PairVisitor& visitor, int threads);
+    // Ids in the order of the batches' indices.
+    [[nodiscard]] const std::vector<std::uint32_t>& order() const noexcept { return list_.order(); }
 
     [[nodiscard]] const PairTable& table() const noexcept { return table_; }
     // The grid that sums of energies begin with.
@@ -68,6 +78,7 @@ class PairForces {
     };
 
     void update_list(const Box& box, const Particles& particles, int threads);
+    void prepare_modifiers(const Box& box, const Particles& particles, int threads);
     void gather_motion(const Array3N& velocity, const ForceRequest& request, int threads);
     void spread_forces(Particles& particles, double unit, int threads) const;
     void collect_totals(int energy_exponent, PairTotals& totals) const;
@@ -89,6 +100,7 @@ class PairForces {
     int base_exponent_;
     int base_energy_exponent_;
 
+    std::vector<std::shared_ptr<PairModifier>> modifiers_;
     std::vector<MotionRecord> motion_;  // in sorted order
     std::vector<GridForce> sums_;       // in sorted order
     std::vector<std::unique_ptr<PairWorker>> workers_;

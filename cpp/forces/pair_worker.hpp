@@ -56,7 +56,8 @@ struct PairWorker {
 };
 
 // Is shown all pairs in one walk, batch by batch, with the conservative factor of each pair's vector r_i − r_j; `order`
-// turns the batch's sorted indices into ids. Called by several threads at once, each with its number.
+// turns the batch's sorted indices into ids. Called by several threads at once, each with its number; threads that are
+// called at the same time are shown pairs that share no bead.
 class PairVisitor {
   public:
     PairVisitor() = default;
@@ -66,6 +67,8 @@ class PairVisitor {
     PairVisitor& operator=(PairVisitor&&) = delete;
     virtual ~PairVisitor() = default;
 
+    // Visitors that only look at distances are given no factors, and also pairs that have no conservative law.
+    [[nodiscard]] virtual bool wants_factors() const { return true; }
     virtual void visit(const PairBatch& batch, const double* factors, const std::uint32_t* order, int thread) = 0;
 };
 

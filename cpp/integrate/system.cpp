@@ -70,6 +70,20 @@ void System::set_charges(ChargeForces charges) {
     ready = false;
 }
 
+void System::add_modifier(std::shared_ptr<PairModifier> modifier) {
+    forces.pairs().add_modifier(std::move(modifier));
+    path_chosen_ = false;
+    fluid_.reset();
+    ready = false;
+}
+
+void System::add_process(std::unique_ptr<BeadProcess> process) {
+    processes_.push_back(std::move(process));
+    path_chosen_ = false;
+    fluid_.reset();
+    ready = false;
+}
+
 void System::choose_path() {
     if (path_chosen_) {
         return;
@@ -77,6 +91,8 @@ void System::choose_path() {
     path_chosen_ = true;
     refusal_ = settings.precision == Precision::reference ? "the precision is reference"
                : forces.constraints() != nullptr          ? "distances are fixed by constraints"
+               : !forces.pairs().modifiers().empty()      ? "pair forces depend on more than distances"
+               : !processes_.empty()                      ? "beads carry heat or dissolved species"
                : forces.has_exclusions()
                    ? "bonded beads have no pair forces (keys without a leading '-')"
                    : fast::refusal(state.box, state.particles, forces.pairs().table(), settings, forces.has_fields());
@@ -127,6 +143,9 @@ void System::run(std::uint64_t steps) {
             equilibrate(state, settings);
         } else {
             integrator_->step(state, forces, settings, steps == 1, totals);
+            for (const auto& process : processes_) {
+                process->advance(state, forces, settings);
+            }
         }
         steps -= stride;
         if (distances && distances_every > 0 && state.step > distances_after && state.step % distances_every == 0) {

@@ -13,6 +13,7 @@
 #include "forces/forces.hpp"
 #include "integrate/integrator.hpp"
 #include "integrate/step_settings.hpp"
+#include "meso/bead_process.hpp"
 #include "observe/pair_distances.hpp"
 
 namespace dlpoly {
@@ -45,6 +46,9 @@ class System {
     void set_flight(std::shared_ptr<const Flight> flight);
     // Takes the electrostatics.
     void set_charges(ChargeForces charges);
+    // Adds a part of the pair forces that needs more than distances, and what happens to what beads carry in a step.
+    void add_modifier(std::shared_ptr<PairModifier> modifier);
+    void add_process(std::unique_ptr<BeadProcess> process);
 
     // How steps are computed: "fast", or why not in words.
     [[nodiscard]] std::string plan();
@@ -65,6 +69,7 @@ class System {
     double cell_width_ = 0.0;
 
     std::unique_ptr<Integrator> integrator_;
+    std::vector<std::unique_ptr<BeadProcess>> processes_;
     bool path_chosen_ = false;
     std::string refusal_;
     std::unique_ptr<fast::Fluid> fluid_;  // nullptr: the general path

@@ -24,127 +24,44 @@ using sweep::PairSituation;
 
 namespace {
 
-constexpr std::int64_t beads_per_thread = 500;
-
 // Numbers that tell the random words of one pair apart; images take 0 … 215.
 constexpr std::uint32_t uniform_salt = 1000;
 constexpr std::uint32_t across_salt = 2000;
 
+// The ranges of the drags, by term.
+std::vector<double> reaches(const PairTable& table) {
+    std::vector<double> reach;
+    for (const PairDrag& drag : table.drags()) {
+        reach.push_back(drag.drag > 0.0 ? drag.cutoff : 0.0);
+    }
+    return reach;
+}
+
 }  // namespace
 
 PairSweep::PairSweep(const PairTable& table, const Exclusions& exclusions)
-    : table_(table), exclusions_(exclusions), phases_(&chosen_phases()) {
-    for (const PairDrag& drag : table.drags()) {
-        range_ = drag.drag > 0.0 ? std::max(range_, drag.cutoff) : range_;
-    }
-}
-
-int PairSweep::useful_threads(const Particles& particles) const {
-    return static_cast<int>(std::clamp<std::int64_t>(particles.count() / beads_per_thread, 1, thread_limit()));
-}
+    : table_(table), rows_(table, exclusions, reaches(table), PairRows::Frozen::skip_pairs) {}
 
 void PairSweep::sort(const Box& box, const Particles& particles, const SweepSettings& settings,
                      [[maybe_unused]] int threads) {
-    cells_.build(box, particles.position, range_);
-    lattice_.number(box, cells_.most_shifts(), cells_.has_several_images());
-    const std::vector<std::uint32_t>& order = cells_.order();
+    rows_.sort(box, particles, threads);
+    const std::vector<std::uint32_t>& order = rows_.order();
     const std::size_t beads = order.size();
-    for (auto* array : {&x_, &y_, &z_}) {
-        array->resize(beads + batch_lanes);
-    }
     velocity_.resize(beads);
     word_.resize(beads);
-    species_.resize(beads);
     const auto key = bead_word_key(settings.seed, settings.step, settings.stream);
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static) num_threads(threads)
 #endif
     for (std::size_t k = 0; k < beads; ++k) {
         const auto id = static_cast<Eigen::Index>(order[k]);
-        x_[k] = particles.position(id, 0);
-        y_[k] = particles.position(id, 1);
-        z_[k] = particles.position(id, 2);
         velocity_[k] = {particles.velocity(id, 0), particles.velocity(id, 1), particles.velocity(id, 2),
                         particles.inverse_mass(id)};
         word_[k] = bead_word(order[k], key.data());
-        species_[k] = particles.species[order[k]];
     }
     if (settings.shear_rate != 0.0) {
         for (std::size_t k = 0; k < beads; ++k) {
-            velocity_[k].x -= settings.shear_rate * y_[k];
-        }
-    }
-}
-
-void PairSweep::find_pairs(std::int32_t row, Row& result) const {
-    result.i.clear();
-    result.j.clear();
-    result.image.clear();
-    result.term.clear();
-    result.dx.clear();
-    result.dy.clear();
-    result.dz.clear();
-    result.squared.clear();
-    const SearchArguments arguments{x_.data(), y_.data(), z_.data(), lattice_.vectors.data(), range_ * range_};
-    const std::vector<std::uint32_t>& order = cells_.order();
-    const std::int32_t length = cells_.row_length();
-    const bool any_excluded = !exclusions_.empty();
-    for (std::int32_t cell = row * length; cell < (row + 1) * length; ++cell) {
-        const std::uint32_t end = cells_.start(cell + 1);
-        if (cells_.start(cell) == end) {
-            continue;
-        }
-        result.ranges.clear();
-        result.ranges.push_back({cells_.start(cell), end, static_cast<std::uint32_t>(lattice_.zero)});
-        cells_.neighbours(cell, result.neighbours);
-        std::size_t candidates = batch_lanes + (end - cells_.start(cell));
-        for (const CellImage& other : result.neighbours) {
-            const std::uint32_t begin = cells_.start(other.cell);
-            const std::uint32_t stop = cells_.start(other.cell + 1);
-            if (begin < stop) {
-                const auto image =
-                    static_cast<std::uint32_t>(lattice_.zero + other.shift[0] + other.shift[1] * lattice_.stride[1] +
-                                               other.shift[2] * lattice_.stride[2]);
-                result.ranges.push_back({begin, stop, image});
-                candidates += stop - begin;
-            }
-        }
-        if (result.found.size() < candidates) {
-            result.found.resize(candidates);
-        }
-        for (std::uint32_t i = cells_.start(cell); i < end; ++i) {
-            result.ranges.front().begin = i + 1;
-            const ListEntry* last =
-                phases_->search(arguments, i, result.ranges.data(), result.ranges.size(), result.found.data());
-            for (const ListEntry* entry = result.found.data(); entry != last; ++entry) {
-                const std::uint32_t j = entry->bead;
-                // A bead and its own image have no relative velocity.
-                if (i == j || !(velocity_[i].inverse_mass + velocity_[j].inverse_mass > 0.0) ||
-                    (any_excluded && exclusions_.contains(order[i], order[j]))) {
-                    continue;
-                }
-                const std::uint32_t term = table_.term(species_[i], species_[j]);
-                const PairDrag& drag = table_.drags()[term];
-                const ShiftRecord& shift = lattice_.vectors[entry->image];
-                const double dx = (x_[i] - x_[j]) - shift.x;
-                const double dy = (y_[i] - y_[j]) - shift.y;
-                const double dz = (z_[i] - z_[j]) - shift.z;
-                const double squared = dx * dx + dy * dy + dz * dz;
-                // Coincident beads define no direction.
-                if (!(drag.drag > 0.0) || !(squared < drag.cutoff * drag.cutoff) || squared == 0.0) {
-                    continue;
-                }
-                result.i.push_back(i);
-                result.j.push_back(j);
-                result.image.push_back(lattice_.codes.empty()
-                                           ? std::uint8_t{0}
-                                           : lattice_.codes[entry->image].code[order[i] < order[j] ? 0 : 1]);
-                result.term.push_back(term);
-                result.dx.push_back(dx);
-                result.dy.push_back(dy);
-                result.dz.push_back(dz);
-                result.squared.push_back(squared);
-            }
+            velocity_[k].x -= settings.shear_rate * rows_.y()[k];
         }
     }
 }
@@ -169,7 +86,7 @@ PairDraw PairSweep::draw_of(const Row& row, std::size_t k, const SweepSettings& 
     const std::uint32_t j = row.j[k];
     PairDraw result;
     if (settings.strong_noise) {
-        const std::vector<std::uint32_t>& order = cells_.order();
+        const std::vector<std::uint32_t>& order = rows_.order();
         const std::uint32_t low = std::min(order[i], order[j]);
         const std::uint32_t high = std::max(order[i], order[j]);
         const Words words = draw(settings.seed, settings.stream, settings.step, low, high, row.image[k]);
@@ -201,19 +118,20 @@ PairDraw PairSweep::draw_of(const Row& row, std::size_t k, const SweepSettings& 
 }
 
 template <class Map>
-void PairSweep::make_maps(Row& row, const Map& map, const SweepSettings& settings) const {
-    const std::size_t pairs = row.i.size();
-    row.map.resize(pairs);
-    row.across.resize(settings.transverse_drag > 0.0 ? 3 * pairs : 0);
+void PairSweep::make_maps(const Row& row, Maps& maps, const Map& map, const SweepSettings& settings) const {
+    const std::size_t pairs = row.size();
+    maps.map.resize(pairs);
+    maps.across.resize(settings.transverse_drag > 0.0 ? 3 * pairs : 0);
     for (std::size_t k = 0; k < pairs; ++k) {
-        double* across = row.across.empty() ? nullptr : &row.across[3 * k];
+        double* across = maps.across.empty() ? nullptr : &maps.across[3 * k];
         const PairDraw draw = draw_of(row, k, settings, Map::uniform, across);
-        row.map[k] = map(situation(row, k, settings), draw);
+        maps.map[k] = map(situation(row, k, settings), draw);
     }
 }
 
 template <bool sheared>
-void PairSweep::use_pair(const Row& row, std::size_t k, const SweepSettings& settings, std::array<double, 6>* virial) {
+void PairSweep::use_pair(const Row& row, const Maps& maps, std::size_t k, const SweepSettings& settings,
+                         std::array<double, 6>* virial) {
     Velocity& a = velocity_[row.i[k]];
     Velocity& b = velocity_[row.j[k]];
     const double inverse = 1.0 / std::sqrt(row.squared[k]);
@@ -224,7 +142,7 @@ void PairSweep::use_pair(const Row& row, std::size_t k, const SweepSettings& set
     }
     const double u = ex * relative_x + ey * (a.y - b.y) + ez * (a.z - b.z);
     const double inverse_mass = a.inverse_mass + b.inverse_mass;
-    const double along = ((row.map[k].keep - 1.0) * u + row.map[k].add) / inverse_mass;
+    const double along = ((maps.map[k].keep - 1.0) * u + maps.map[k].add) / inverse_mass;
     double px = along * ex, py = along * ey, pz = along * ez;
     if (settings.transverse_drag > 0.0) {
         // The exact solution of drag and noise across the axis; three numbers, of which the part along it is taken out.
@@ -233,7 +151,7 @@ void PairSweep::use_pair(const Row& row, std::size_t k, const SweepSettings& set
         const double x = pair.relaxation();
         const double lost = std::expm1(-x);
         const double noise = std::sqrt(-std::expm1(-2.0 * x) * pair.thermal_energy * inverse_mass);
-        const double* n = &row.across[3 * k];
+        const double* n = &maps.across[3 * k];
         const double n_along = ex * n[0] + ey * n[1] + ez * n[2];
         px += (lost * (relative_x - u * ex) + noise * (n[0] - n_along * ex)) / inverse_mass;
         py += (lost * ((a.y - b.y) - u * ey) + noise * (n[1] - n_along * ey)) / inverse_mass;
@@ -254,49 +172,26 @@ void PairSweep::use_pair(const Row& row, std::size_t k, const SweepSettings& set
     }
 }
 
-void PairSweep::use_maps(const Row& row, const SweepSettings& settings, std::array<double, 6>* virial) {
+void PairSweep::use_maps(const Row& row, const Maps& maps, const SweepSettings& settings,
+                         std::array<double, 6>* virial) {
     if (settings.shear_rate != 0.0) {
-        use_all<true>(row, settings, virial);
+        use_all<true>(row, maps, settings, virial);
     } else {
-        use_all<false>(row, settings, virial);
+        use_all<false>(row, maps, settings, virial);
     }
 }
 
 template <bool sheared>
-void PairSweep::use_all(const Row& row, const SweepSettings& settings, std::array<double, 6>* virial) {
-    const std::size_t pairs = row.i.size();
+void PairSweep::use_all(const Row& row, const Maps& maps, const SweepSettings& settings,
+                        std::array<double, 6>* virial) {
+    const std::size_t pairs = row.size();
     if (settings.backward) {
         for (std::size_t k = pairs; k-- > 0;) {
-            use_pair<sheared>(row, k, settings, virial);
+            use_pair<sheared>(row, maps, k, settings, virial);
         }
     } else {
         for (std::size_t k = 0; k < pairs; ++k) {
-            use_pair<sheared>(row, k, settings, virial);
-        }
-    }
-}
-
-// Colour after colour; the rows of one colour in any order.
-void PairSweep::visit_rows(const Box&, const SweepSettings& settings, [[maybe_unused]] int threads,
-                           const std::function<void(Row&, std::int32_t)>& visit) {
-    rows_.resize(static_cast<std::size_t>(threads));
-    const auto& groups = cells_.row_groups();
-#ifdef _OPENMP
-#pragma omp parallel num_threads(threads)
-#endif
-    {
-        Row& row = rows_[static_cast<std::size_t>(thread_number())];
-        for (std::size_t g = 0; g < groups.size(); ++g) {
-            const std::vector<std::int32_t>& group = groups[settings.backward ? groups.size() - 1 - g : g];
-            const auto count = static_cast<std::int64_t>(group.size());
-#ifdef _OPENMP
-#pragma omp for schedule(dynamic, 1)
-#endif
-            for (std::int64_t k = 0; k < count; ++k) {
-                const std::int32_t place = group[static_cast<std::size_t>(k)];
-                find_pairs(place, row);
-                visit(row, place);
-            }
+            use_pair<sheared>(row, maps, k, settings, virial);
         }
     }
 }
@@ -304,18 +199,18 @@ void PairSweep::visit_rows(const Box&, const SweepSettings& settings, [[maybe_un
 template <class Map>
 void PairSweep::apply(const Box& box, Particles& particles, const Map& map, const SweepSettings& settings) {
     virial_.setZero();
-    if (!(range_ > 0.0) || particles.count() == 0) {
+    if (!rows_.any() || particles.count() == 0) {
         return;
     }
-    const int threads = useful_threads(particles);
+    const int threads = PairRows::useful_threads(particles);
     sort(box, particles, settings, threads);
-    const auto rows = static_cast<std::size_t>(cells_.cell_count() / cells_.row_length());
-    std::vector<std::array<double, 6>> virials(settings.observe ? rows : 0);
-    visit_rows(box, settings, threads, [&](Row& row, std::int32_t place) {
-        make_maps(row, map, settings);
-        use_maps(row, settings, settings.observe ? &virials[static_cast<std::size_t>(place)] : nullptr);
+    std::vector<std::array<double, 6>> virials(settings.observe ? rows_.count() : 0);
+    maps_.resize(static_cast<std::size_t>(threads));
+    rows_.visit(settings.backward, threads, [&](const Row& row, std::size_t place, std::size_t thread) {
+        make_maps(row, maps_[thread], map, settings);
+        use_maps(row, maps_[thread], settings, settings.observe ? &virials[place] : nullptr);
     });
-    const std::vector<std::uint32_t>& order = cells_.order();
+    const std::vector<std::uint32_t>& order = rows_.order();
     const std::size_t beads = order.size();
     for (std::size_t k = 0; k < beads; ++k) {
         const Velocity& v = velocity_[k];
@@ -330,7 +225,7 @@ void PairSweep::apply(const Box& box, Particles& particles, const Map& map, cons
 #endif
     for (std::size_t k = 0; k < beads; ++k) {
         const auto id = static_cast<Eigen::Index>(order[k]);
-        particles.velocity(id, 0) = velocity_[k].x + settings.shear_rate * y_[k];
+        particles.velocity(id, 0) = velocity_[k].x + settings.shear_rate * rows_.y()[k];
         particles.velocity(id, 1) = velocity_[k].y;
         particles.velocity(id, 2) = velocity_[k].z;
     }
@@ -354,16 +249,15 @@ template void PairSweep::apply(const Box&, Particles&, const sweep::CommonDrag&,
 PairSweep::PairTemperature PairSweep::measure(const Box& box, const Particles& particles,
                                               const SweepSettings& settings) {
     PairTemperature total;
-    if (!(range_ > 0.0) || particles.count() == 0) {
+    if (!rows_.any() || particles.count() == 0) {
         return total;
     }
-    const int threads = useful_threads(particles);
+    const int threads = PairRows::useful_threads(particles);
     sort(box, particles, settings, threads);
-    const auto rows = static_cast<std::size_t>(cells_.cell_count() / cells_.row_length());
-    std::vector<PairTemperature> parts(rows);  // added up in one order, whatever thread made them
-    visit_rows(box, settings, threads, [&](Row& row, std::int32_t place) {
-        PairTemperature& part = parts[static_cast<std::size_t>(place)];
-        for (std::size_t k = 0; k < row.i.size(); ++k) {
+    std::vector<PairTemperature> parts(rows_.count());  // added up in one order, whatever thread made them
+    rows_.visit(settings.backward, threads, [&](const Row& row, std::size_t place, std::size_t) {
+        PairTemperature& part = parts[place];
+        for (std::size_t k = 0; k < row.size(); ++k) {
             const PairSituation pair = situation(row, k, settings);
             const Velocity& a = velocity_[row.i[k]];
             const Velocity& b = velocity_[row.j[k]];

@@ -1,25 +1,21 @@
 // A sweep: every pair within the range of its drag, one after the other, gets a new relative velocity along its axis
 // from the velocities that the pairs before it left behind.
 //
-// The order of the pairs is part of the result. It follows from the positions alone: colours of rows of cells, rows,
-// cells, and ids in the cells. Rows of one colour share no bead, so threads take them in any order, and results are the
-// same bits for any number of threads, chunks and restarts.
+// The order of the pairs is part of the result; it follows from the positions alone (see pair_rows.hpp), so results are
+// the same bits for any number of threads, chunks and restarts.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
-#include "cells/link_cells.hpp"
 #include "core/box.hpp"
 #include "core/particles.hpp"
 #include "core/random.hpp"
 #include "forces/exclusions.hpp"
-#include "forces/lattice_shifts.hpp"
-#include "forces/pair_phases.hpp"
 #include "forces/pair_table.hpp"
 #include "sweep/pair_map.hpp"
+#include "sweep/pair_rows.hpp"
 
 namespace dlpoly {
 
@@ -60,49 +56,34 @@ class PairSweep {
     [[nodiscard]] PairTemperature measure(const Box& box, const Particles& particles, const SweepSettings& settings);
 
   private:
-    // The pairs of one row of cells that act on each other.
-    struct Row {
-        std::vector<std::uint32_t> i, j;  // in sorted order
-        std::vector<std::uint8_t> image;  // tells several images of one pair apart
-        std::vector<std::uint32_t> term;
-        std::vector<double> dx, dy, dz, squared;
+    using Row = PairRows::Row;
+    // What a thread makes of the pairs of its row.
+    struct Maps {
         std::vector<sweep::LinearMap> map;
         std::vector<double> across;  // three numbers a pair: noise across the axis
-        std::vector<ListEntry> found;
-        std::vector<CellImage> neighbours;
-        std::vector<CandidateRange> ranges;
     };
     struct Velocity {
         double x, y, z, inverse_mass;
     };
 
     void sort(const Box& box, const Particles& particles, const SweepSettings& settings, int threads);
-    void find_pairs(std::int32_t row, Row& result) const;
     [[nodiscard]] sweep::PairDraw draw_of(const Row& row, std::size_t k, const SweepSettings& settings, bool uniform,
                                           double* across) const;
     template <class Map>
-    void make_maps(Row& row, const Map& map, const SweepSettings& settings) const;
-    void use_maps(const Row& row, const SweepSettings& settings, std::array<double, 6>* virial);
+    void make_maps(const Row& row, Maps& maps, const Map& map, const SweepSettings& settings) const;
+    void use_maps(const Row& row, const Maps& maps, const SweepSettings& settings, std::array<double, 6>* virial);
     template <bool sheared>
-    void use_all(const Row& row, const SweepSettings& settings, std::array<double, 6>* virial);
+    void use_all(const Row& row, const Maps& maps, const SweepSettings& settings, std::array<double, 6>* virial);
     template <bool sheared>
-    void use_pair(const Row& row, std::size_t k, const SweepSettings& settings, std::array<double, 6>* virial);
+    void use_pair(const Row& row, const Maps& maps, std::size_t k, const SweepSettings& settings,
+                  std::array<double, 6>* virial);
     [[nodiscard]] sweep::PairSituation situation(const Row& row, std::size_t k, const SweepSettings& settings) const;
-    void visit_rows(const Box& box, const SweepSettings& settings, int threads,
-                    const std::function<void(Row&, std::int32_t)>& visit);
-    [[nodiscard]] int useful_threads(const Particles& particles) const;
 
     const PairTable& table_;
-    const Exclusions& exclusions_;
-    const Phases* phases_;
-    double range_ = 0.0;  // the longest range of a drag
-    LinkCells cells_;
-    LatticeShifts lattice_;
-    std::vector<double> x_, y_, z_;  // sorted
-    std::vector<Velocity> velocity_;
+    PairRows rows_;
+    std::vector<Velocity> velocity_;  // sorted
     std::vector<std::uint32_t> word_;
-    std::vector<std::int32_t> species_;
-    std::vector<Row> rows_;  // one a thread
+    std::vector<Maps> maps_;  // one a thread
     Matrix3 virial_ = Matrix3::Zero();
 };
 

@@ -100,6 +100,11 @@ class NativeEngine:
             )
         except ValueError as error:
             raise SceneError(str(error)) from error
+        if beads.temperature is not None and beads.heat_capacity is not None:
+            self.system.bead_temperatures = beads.temperature.tolist()
+            self.system.heat_capacities = beads.heat_capacity.tolist()
+        if beads.concentrations is not None:
+            self.system.concentrations = beads.concentrations
         if scene.bonded is not None:
             self.system.set_bonded(_bonded_terms(scene, scene.bonded), scene.bonded.excluded.tolist())
         if scene.electrostatics is not None:

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Literal, NamedTuple, NoReturn, cast
 
 from pydlpoly.errors import suggest
+from pydlpoly.formats.extensions import read_extensions
 from pydlpoly.formats.field_keys import canonical_directive
 from pydlpoly.formats.field_lines import FieldLines
 from pydlpoly.formats.field_molecules import bead_number, check_beads
@@ -146,6 +147,7 @@ class _MesoParser:
             path=self.lines.path,
             warnings=self.lines.warnings,
             remarks=tuple(self.remarks),
+            extensions=read_extensions(self.lines),
             meso=MesoField(
                 coordinates=(((0.0, 0.0, 0.0),),) * count + tuple(part.coordinates for part in self.parts),
                 mirrored=(False,) * count + tuple(part.mirrored for part in self.parts),

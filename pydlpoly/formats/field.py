@@ -7,6 +7,7 @@ from typing import NoReturn
 
 from pydlpoly.errors import InputError, suggest
 from pydlpoly.formats.dl_meso_field import parse_meso_field
+from pydlpoly.formats.extensions import read_extensions
 from pydlpoly.formats.field_keys import (
     EXTERNAL_KEYS,
     KEPT_WHOLE,
@@ -140,6 +141,7 @@ class _FieldParser:
             externals=tuple(self.externals),
             rdf_pairs=self.rdf_pairs,
             others=tuple(self.others),
+            extensions=read_extensions(lines),
             path=lines.path,
             warnings=lines.warnings,
         )

@@ -45,6 +45,10 @@ def _lines(field: Field) -> Iterator[str]:
         yield "extern"
         yield _joined(external.key, external.parameters)
     yield "close"
+    for extension in field.extensions:
+        yield f"extension {extension.name}"
+        yield from (_one_line(text, f"a line of extension {extension.name}") for _, text in extension.lines)
+        yield "end extension"
 
 
 def _molecule(molecule: Molecule) -> Iterator[str]:

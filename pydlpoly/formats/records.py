@@ -198,12 +198,35 @@ class OtherBlock:
 
 
 @dataclass(frozen=True)
+class Extension:
+    """A block after ``close``, where DL_POLY stops reading: its name and its lines with their numbers, comments gone.
+
+    Two are equal when their texts are, wherever they stand.
+    """
+
+    name: str
+    lines: tuple[tuple[int, str], ...]
+    line: int = field(default=0, compare=False)
+
+    def __eq__(self, other: object) -> bool:
+        """Compare names and texts."""
+        if not isinstance(other, Extension):
+            return NotImplemented
+        return self.name == other.name and [t for _, t in self.lines] == [t for _, t in other.lines]
+
+    def __hash__(self) -> int:
+        """Hash of name and texts."""
+        return hash((self.name, tuple(text for _, text in self.lines)))
+
+
+@dataclass(frozen=True)
 class Field:
     """A FIELD file, in DL_POLY's words; one in DL_MESO's dialect has ``meso`` for what they cannot say.
 
     Attributes:
         units: the energy unit's word in canonical form: ``ev``, ``kcal``, ``kj``, ``k``, ``internal`` or ``dpd``.
         rdf_pairs: pairs named in an ``rdf`` block, in order; empty when there is none.
+        extensions: blocks after ``close``, which DL_POLY does not read.
     """
 
     title: str = ""
@@ -217,6 +240,7 @@ class Field:
     warnings: tuple[str, ...] = field(default=(), compare=False)
     remarks: tuple[Remark, ...] = field(default=(), compare=False)
     meso: MesoField | None = None
+    extensions: tuple[Extension, ...] = ()
 
     @property
     def bead_count(self) -> int:

@@ -51,6 +51,9 @@ class Beads:
         molecule: (N,) running number of the molecule each bead belongs to.
         positions: (N, 3) in Å, wrapped into the cell around the origin along periodic axes.
         velocities: (N, 3) in Å/ps, or None when they are to be drawn.
+        temperature: (N,) internal temperature as k_B T, internal energy units; None where beads carry no heat.
+        heat_capacity: (N,) C_v/k_B; None where beads carry no heat.
+        concentrations: (N, s) of dissolved species; None where beads carry none.
     """
 
     species: NDArray[np.int32]
@@ -60,6 +63,9 @@ class Beads:
     molecule: NDArray[np.int64]
     positions: FloatArray
     velocities: FloatArray | None
+    temperature: FloatArray | None = None
+    heat_capacity: FloatArray | None = None
+    concentrations: FloatArray | None = None
 
     def __len__(self) -> int:
         """Return the number of beads."""
