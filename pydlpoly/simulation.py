@@ -408,6 +408,17 @@ class Simulation:
         """Energy by component in internal units, as in ``Observation``."""
         return self.observe().energy
 
+    def local_densities(self) -> FloatArray:
+        """Return the local density of every bead in many-body DPD, (N,), at the last evaluation of forces.
+
+        In Å⁻³ in the two-density form of ``mdpd``, without a unit (times r_c³) in the generalised one. A bead is not
+        its own neighbour: a lone bead has 0. Warren, Phys. Rev. E 68, 066702 (2003).
+
+        Raises:
+            ValueError: no pair of the scene has the law mdpd.
+        """
+        return self._engine.local_densities()
+
     @property
     def rdf_bins(self) -> int:
         """Number of bins of the pair distance histogram."""

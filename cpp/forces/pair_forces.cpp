@@ -47,9 +47,11 @@ void PairForces::add_modifier(std::shared_ptr<PairModifier> modifier) {
     modifiers_.push_back(std::move(modifier));
 }
 
-void PairForces::prepare_modifiers(const Box& box, const Particles& particles, int threads) {
+void PairForces::prepare_modifiers(const Box& box, const Particles& particles, int threads, bool conservative) {
     for (const auto& modifier : modifiers_) {
-        modifier->prepare(*this, box, particles, threads);
+        if (conservative || modifier->changes_motion()) {
+            modifier->prepare(*this, box, particles, threads);
+        }
     }
 }
 
@@ -65,7 +67,7 @@ void PairForces::compute(const Box& box, Particles& particles, const Array3N& ve
     walk.motion = (request.drag || request.noise) && table_.has_drag();
     walk.threads = useful_threads(particles.count());
     update_list(box, particles, walk.threads);
-    prepare_modifiers(box, particles, walk.threads);
+    prepare_modifiers(box, particles, walk.threads, request.conservative);
     if (walk.motion) {
         gather_motion(velocity, request, walk.threads);
     }
@@ -110,7 +112,7 @@ double PairForces::curvature(const Box& box, const Particles& particles) {
     const int exponent = base_exponent_ + std::min(0, static_cast<int>(std::floor(std::log2(range))));
     walk.scale = std::ldexp(1.0, exponent);
     update_list(box, particles, walk.threads);
-    prepare_modifiers(box, particles, walk.threads);
+    prepare_modifiers(box, particles, walk.threads, true);
     static_cast<void>(visit_pairs(walk));
     WideSum sum;
     bool lost = false;
@@ -132,7 +134,7 @@ void PairForces::visit(const Box& box, const Particles& particles, PairVisitor& 
     const int threads = useful_threads(particles.count());
     update_list(box, particles, threads);
     if (visitor.wants_factors()) {
-        prepare_modifiers(box, particles, threads);
+        prepare_modifiers(box, particles, threads, true);
     }
     show(visitor, threads);
 }
@@ -302,6 +304,9 @@ void PairForces::visit_row(const ListRow& row, const PairWalk& walk, PairWorker&
             worker.batch.term = block.term;
         }
         worker.batch.reach_squared = table_.reach_squared()[block.term];
+        if (walk.visitor != nullptr) {
+            worker.batch.reach_squared = walk.visitor->reach_squared(block.term, worker.batch.reach_squared);
+        }
         filter.segment = block.first;
         filter.last_segment = block.last;
         filter.entry = row.segments[block.first].first;

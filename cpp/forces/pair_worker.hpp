@@ -69,6 +69,8 @@ class PairVisitor {
 
     // Visitors that only look at distances are given no factors, and also pairs that have no conservative law.
     [[nodiscard]] virtual bool wants_factors() const { return true; }
+    // The square of the distance within which it is shown pairs of an entry of the table, at most the table's own.
+    [[nodiscard]] virtual double reach_squared(std::uint32_t /*term*/, double of_table) const { return of_table; }
     virtual void visit(const PairBatch& batch, const double* factors, const std::uint32_t* order, int thread) = 0;
 };
 

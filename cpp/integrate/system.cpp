@@ -84,6 +84,14 @@ void System::add_process(std::unique_ptr<BeadProcess> process) {
     ready = false;
 }
 
+void System::set_many_body(std::shared_ptr<ManyBody> part) {
+    if (many_body) {
+        throw std::invalid_argument("many-body DPD is already there");
+    }
+    many_body = part;
+    add_modifier(std::move(part));
+}
+
 void System::choose_path() {
     if (path_chosen_) {
         return;

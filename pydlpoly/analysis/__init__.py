@@ -9,6 +9,7 @@ from pydlpoly.analysis.bilayer import BilayerThickness
 from pydlpoly.analysis.bonds import BondAngles, BondLengths, terms_of
 from pydlpoly.analysis.chains import ChainDimensions
 from pydlpoly.analysis.clusters import ClusterSizes
+from pydlpoly.analysis.contact_angle import ContactAngle
 from pydlpoly.analysis.density import DensityProfile
 from pydlpoly.analysis.frames import Analysis, analyse, frames_of_arrays
 from pydlpoly.analysis.lamellae import LamellarOrder
@@ -27,6 +28,7 @@ __all__ = [
     "BondLengths",
     "ChainDimensions",
     "ClusterSizes",
+    "ContactAngle",
     "DensityProfile",
     "LamellarOrder",
     "MeanSquareDisplacement",

@@ -19,7 +19,7 @@ from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.explain import PLANS
 from pydlpoly.scene.external import ON_CHARGES
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
-from pydlpoly.scene.model import Barostat, Bonded, BondedTerm, Electrostatics, PairTerm, Scene, Walls
+from pydlpoly.scene.model import Barostat, Bonded, BondedTerm, Electrostatics, ManyBody, PairTerm, Scene, Walls
 
 _PRECISIONS = {
     "double": _core.Precision.double_precision,
@@ -105,6 +105,8 @@ class NativeEngine:
             self.system.heat_capacities = beads.heat_capacity.tolist()
         if beads.concentrations is not None:
             self.system.concentrations = beads.concentrations
+        if scene.many_body is not None:
+            _set_many_body(self.system, scene.many_body)
         if scene.bonded is not None:
             self.system.set_bonded(_bonded_terms(scene, scene.bonded), scene.bonded.excluded.tolist())
         if scene.electrostatics is not None:
@@ -206,6 +208,10 @@ class NativeEngine:
         kinetic, conservative, bonded, beads = self.system.stress_profile(axis, layers)
         return np.asarray(kinetic), np.asarray(conservative), np.asarray(bonded), np.asarray(beads)
 
+    def local_densities(self) -> FloatArray:
+        """Return the local densities (N,) at the last evaluation of forces. Raises ValueError without ``mdpd``."""
+        return np.asarray(self.system.local_densities())
+
     def distance_counts(self, bins: int, species: int) -> NDArray[np.int64]:
         """Return pair distance counts, (species, species, bins), pairs counted once under a ≤ b."""
         return np.asarray(self.system.distance_counts()).reshape(species, species, bins)
@@ -229,6 +235,15 @@ def _pair_table(scene: Scene) -> _core.PairTable:
             names = f"{scene.species[a]} {scene.species[b]}"
             raise SceneError(f"pair {names}: {error}") from error
     return table
+
+
+def _set_many_body(system: _core.System, given: ManyBody) -> None:
+    pairs = [(*term.species, (term.height, term.exponent, term.range, term.push)) for term in given.terms]
+    kernel = "lucy" if given.kernel == "lucy" else "power"
+    try:
+        system.set_many_body(kernel, given.strength, list(given.powers), pairs)
+    except ValueError as error:
+        raise SceneError(str(error)) from error
 
 
 def _bonded_terms(scene: Scene, bonded: Bonded) -> _core.BondedTerms:

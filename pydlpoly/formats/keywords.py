@@ -239,6 +239,8 @@ _FORCES = (
            old="rvdw [cutoff] f"),
     _option("vdw_mix_method", "off lorentz-berthelot fender-halsey hogervorst halgren waldman-hagler tang-toennies "
             "functional", "off", "rule for pairs that FIELD does not give", old="vdw mixing rule"),
+    _option("mdpd_kernel", "warren lucy", "warren",
+            "kernel of local densities in many-body DPD; lucy is that of LAMMPS, without a potential; many-body.md"),
     _bool("vdw_force_shift", "off", "shift pair energies and forces to vanish at the cutoff", old="vdw shift"),
     _bool("vdw_long_range_correction", "on", "add the tails beyond the cutoff to energy and pressure"),
     _option("coul_method", "off spme ewald_direct dddp pairwise reaction_field force_shifted", "off",

@@ -252,7 +252,42 @@ def _pairs(scene: Scene) -> list[str]:
         "where the numbers come from:",
         *texts,
         *(f"{key}: {description}" for key, description in laws.items()),
+        *_many_body(scene),
     ]
+
+
+def _many_body(scene: Scene) -> list[str]:
+    """Local densities and what they do to the pairs of the law mdpd."""
+    given, units, word = scene.many_body, scene.field_units or scene.units, _Words(scene)
+    if given is None:
+        return []
+    two = given.form == "two-density"
+    names = [f"{scene.species[a]}-{scene.species[b]}" for a, b in (term.species for term in given.terms)]
+    kernels = {
+        "warren": "W(0) (1 - r/rd)^n, the energy of a bead C rho^m/m",
+        "lucy": "W(0) (1 + 3r/rd)(1 - r/rd)^3, forces B (rho_i + rho_j)(1 - r/rd) without an energy",
+    }
+    energy = f" {units.label}" if units.label and not two else ""
+    texts = [
+        f"local densities over {', '.join(names)}: {kernels[given.kernel]} ({given.kernel}, {given.explanation}); "
+        f"{given.form} form, B = {given.repulsion / units.factor:.6g}{energy} for all pairs",
+    ]
+    heights = {f"W(0) = {t.height:.6g}, n = {t.exponent:g}, rd = {t.range:g}{word.length}": None for t in given.terms}
+    if len(heights) == 1:
+        texts.append(next(iter(heights)))
+    else:
+        texts += [
+            f"{name}: W(0) = {t.height:.6g}, n = {t.exponent:g}, rd = {t.range:g}{word.length}"
+            for name, t in zip(names, given.terms, strict=True)
+        ]
+    if given.kernel == "warren":
+        powers = dict.fromkeys(given.powers)
+        of_species = ", ".join(f"{m:g} for {name}" for name, m in zip(scene.species, given.powers, strict=True))
+        texts.append(
+            f"C = {given.strength / units.factor:.6g}, m = "
+            + (f"{given.powers[0]:g}" if len(powers) == 1 else of_species)
+        )
+    return [line for text in texts for line in _wrap(text)]
 
 
 def _parameters(term: PairTerm, factor: float) -> str:

@@ -107,6 +107,48 @@ class PairTerm:
 
 
 @dataclass(frozen=True)
+class DensityTerm:
+    """What two species are to each other's local densities in many-body DPD.
+
+    Attributes:
+        species: indices a ≤ b into ``Scene.species``.
+        height: W(0) of the kernel.
+        exponent: n of W(0) (1 − r/r_d)^n; 2 with Lucy's kernel, whose shape it does not tell.
+        range: r_d (Å).
+        push: k of the force k (φ_i + φ_j)(1 − r/r_d)^(n − 1), where φ is ψ'(ρ̄), or ρ̄ with Lucy's kernel.
+    """
+
+    species: tuple[int, int]
+    height: float
+    exponent: float
+    range: float
+    push: float
+
+
+@dataclass(frozen=True)
+class ManyBody:
+    """Many-body DPD: the energy Σ ψ(ρ̄_i) of local densities ρ̄_i = Σ W(r_ij) over all neighbours.
+
+    Attributes:
+        kernel: "warren" (ψ = C ρ̄^m/m, W = W(0)(1 − r/r_d)^n) or "lucy" (forces only, no energy).
+        form: "two-density" (densities per volume, Å⁻³) or "generalised" (times r_c³ of the pair, without unit).
+        repulsion: B as FIELD gives it, internal units.
+        strength: C, internal units; 0 with Lucy's kernel.
+        powers: m by species.
+        terms: by pair of species that has the law mdpd.
+        explanation: where the kernel comes from.
+    """
+
+    kernel: Literal["warren", "lucy"]
+    form: Literal["two-density", "generalised"]
+    repulsion: float
+    strength: float
+    powers: tuple[float, ...]
+    terms: tuple[DensityTerm, ...]
+    explanation: str = ""
+
+
+@dataclass(frozen=True)
 class ExternalTerm:
     """An external field: its key ("grav", "elec", …), its parameters in internal units, and where they come from."""
 
@@ -463,6 +505,7 @@ class Scene:
         constraints: fixed distances; None when there are none.
         walls: walls across axes of the cell; None when there are none.
         electrostatics: how charges act; None when they do not.
+        many_body: local densities and what they do to pairs of the law mdpd; None without such pairs.
     """
 
     title: str
@@ -492,6 +535,7 @@ class Scene:
     constraints: Constraints | None = None
     walls: Walls | None = None
     electrostatics: Electrostatics | None = None
+    many_body: ManyBody | None = None
 
     @property
     def constraint_count(self) -> int:

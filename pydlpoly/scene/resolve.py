@@ -24,6 +24,7 @@ from pydlpoly.scene.interactions import (
     resolve_cutoffs,
     resolve_pairs,
 )
+from pydlpoly.scene.many_body import check_many_body, resolve_many_body
 from pydlpoly.scene.model import Beads, Scene
 from pydlpoly.scene.output import resolve_output
 from pydlpoly.scene.replicate import replicate_as_asked
@@ -100,6 +101,7 @@ def resolve(
         settings, field, layout, strength, cutoffs[0], cell, imcon, periodic, fields, notes
     )
     pairs = resolve_pairs(settings, field, field_units.factor, layout, dynamics, cutoffs, tables, notes)
+    many_body = resolve_many_body(settings, field, pairs, layout.species_names, notes)
     check_limits(dynamics, pairs, layout, settings, notes)
     note_small_cell(pairs, widths(cell)[list(periodic)].tolist(), notes)
     check_image_noise(pairs, widths(cell)[list(periodic)].tolist(), config.path)
@@ -155,7 +157,9 @@ def resolve(
         constraints=constraints,
         walls=walls,
         electrostatics=electrostatics,
+        many_body=many_body,
     )
+    check_many_body(scene, field, settings)
     check_profile(scene, settings)
     return scene
 

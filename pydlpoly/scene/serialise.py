@@ -18,6 +18,8 @@ _CLASSES: dict[str, type[Any]] = {
         model.Note,
         model.Beads,
         model.PairTerm,
+        model.DensityTerm,
+        model.ManyBody,
         model.ExternalTerm,
         model.Walls,
         model.BondedTerm,
