@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,6 +90,8 @@ def lammps_input(scene: Scene) -> LammpsInput | str:
         return _dpd(scene)
     if laws == {"lj"} and not any(term.drag > 0.0 or term.force_shift for term in scene.pairs):
         return _lennard_jones(scene)
+    if laws == {"mdpd"}:
+        return _many_body(scene)
     return f"the pair laws {', '.join(sorted(str(law) for law in laws))} are not translated"
 
 
@@ -110,6 +112,30 @@ def _lennard_jones(scene: Scene) -> LammpsInput | str:
     # The list of LAMMPS' own Lennard-Jones benchmark: rebuilt every 20 steps without looking.
     usual = {"skin 0.3 every 20": ["neighbor 0.3 bin", "neigh_modify delay 0 every 20 check no"]}
     return _input(scene, "lj/cut", str(largest), coefficients, usual)
+
+
+def _many_body(scene: Scene) -> LammpsInput | str:
+    """Densities by one pair style and forces by another; velocities are predicted by the integrator of that package."""
+    if scene.many_body is None or scene.many_body.kernel != "lucy" or scene.bonded is not None:
+        return "many-body DPD is only translated with Lucy's kernel, which LAMMPS has, and without bonds"
+    if scene.dynamics.integrator != "mdvv":
+        return "only the integrator mdvv is translated for mdpd"
+    if any(term.drag_cutoff != term.cutoff for term in scene.pairs if term.drag > 0.0):
+        return "drags of other ranges than the pair law are not translated"
+    largest = max(term.cutoff for term in scene.pairs)
+    given = _input(scene, "dpd", f"{scene.dynamics.thermal_energy} {largest} 34387", [], {})
+    lines = [f"pair_style hybrid/overlay mdpd/rhosum mdpd {scene.dynamics.thermal_energy} {largest} 34387"]
+    lines += [f"pair_coeff {_types(term)} mdpd/rhosum {term.parameters[5]}" for term in scene.pairs]
+    for term in scene.pairs:
+        a, b, _, _, cutoff, reach = term.parameters
+        lines.append(f"pair_coeff {_types(term)} mdpd {a} {b} {term.drag} {cutoff} {reach}")
+    motion = f"fix motion all mvv/dpd {scene.dynamics.prediction}"
+    return replace(
+        given,
+        box=["atom_style mdpd" if line.startswith("atom_style") else line for line in given.box],
+        dynamics=[motion if line.startswith("fix motion") else line for line in given.dynamics],
+        pairs={"mdpd": lines},
+    )
 
 
 def _types(term: PairTerm) -> str:

@@ -158,6 +158,17 @@ def lennard_jones(cells: int) -> Scene:
     return single_beads("Lennard-Jones liquid", counts, pairs, cell, cutoff=2.5, positions=positions, control=control)
 
 
+def film() -> Scene:
+    """LAMMPS's own example of many-body DPD: a film that contracts, with Lucy's kernel and λ = 1/2."""
+    edges, extent, spacing = np.array([50.0, 20.0, 20.0]), np.array([20.0, 7.5, 2.0]), 0.5 * (4.0 / 6.0) ** (1.0 / 3.0)
+    counts = (extent / spacing).astype(int)
+    sites = np.stack(np.meshgrid(*(np.arange(-n, n + 1) for n in counts), indexing="ij"), axis=-1).reshape(-1, 3)
+    positions = spacing * sites[sites.sum(axis=1) % 2 == 0]  # a face-centred lattice of density 6
+    pairs = {("L", "L"): ("mdpd", -40.0, 25.0, 1.0, 0.75, 18.0)}
+    control = {"mdpd_kernel": "lucy"}
+    return single_beads("film", {"L": len(positions)}, pairs, np.diag(edges), positions=positions, control=control)
+
+
 def polymer_melt(chains: int, length: int = 20) -> Scene:
     """A melt of bead-spring chains at ρ = 3, placed as random walks."""
     bonds = MoleculeBlock("bonds", tuple(BondedLine("-hrm", (k, k + 1), (100.0, 0.7)) for k in range(1, length)))
@@ -238,6 +249,7 @@ SCENES: dict[str, BenchScene] = {
         BenchScene("triclinic", "DPD water in a triclinic cell", lambda: tilted_water(24_000), 300, 24_000),
         BenchScene("gas", "DPD beads at density 0.1", lambda: gas(24_000), 300, 24_000),
         BenchScene("lj", "Lennard-Jones liquid, cutoff 2.5, density 0.8442", lambda: lennard_jones(20), 500, 32_000),
+        BenchScene("film", "LAMMPS's film of a many-body DPD liquid", film, 200, 14_333),
         BenchScene("polymer", "DPD chains of 20 beads", lambda: polymer_melt(1200), 500, 24_000),
         BenchScene("lipids", "bilayer of DPD lipids of 11 beads in water", lambda: lipids(20), 500, 35_200),
     )

@@ -187,7 +187,7 @@ def check_many_body(scene: Scene, field: Field, settings: Settings) -> None:
 
     Raises:
         SceneError: pairs at the ends of dihedrals that feel a part of their pair law, or a barostat with a kernel that
-            has no energy or with frozen beads.
+            has no energy.
     """
     given = scene.many_body
     if given is None:
@@ -200,12 +200,8 @@ def check_many_body(scene: Scene, field: Field, settings: Settings) -> None:
                 names = f"{scene.species[a]}-{scene.species[b]}"
                 message = f"{names} has the law mdpd, which cannot be scaled at the ends of dihedrals"
                 raise SceneError(f"{message}: set their factor to 0", path=field.path)
-    if scene.dynamics.barostat is not None:
-        if given.kernel == "lucy":
-            raise settings.refusal("mdpd_kernel", "lucy has no energy that a barostat could act on; take warren")
-        if scene.beads.frozen.any():
-            message = "a barostat is not modelled with frozen beads in local densities"
-            raise SceneError(message, path=field.path, word=KEY)
+    if scene.dynamics.barostat is not None and given.kernel == "lucy":
+        raise settings.refusal("mdpd_kernel", "lucy has no energy that a barostat could act on; take warren")
 
 
 def _form(two_density: bool) -> str:
