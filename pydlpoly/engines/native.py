@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pydlpoly import _core
+from pydlpoly.engines.native_transport import make_transport
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.explain import PLANS
@@ -105,6 +106,9 @@ class NativeEngine:
             self.system.heat_capacities = beads.heat_capacity.tolist()
         if beads.concentrations is not None:
             self.system.concentrations = beads.concentrations
+        self.transport = None if scene.transport is None else make_transport(scene, scene.transport)
+        if self.transport is not None:
+            self.transport.join(self.system)
         if scene.bonded is not None:
             self.system.set_bonded(_bonded_terms(scene, scene.bonded), scene.bonded.excluded.tolist())
         if scene.electrostatics is not None:

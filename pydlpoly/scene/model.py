@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.scene.transport_terms import Transport
 
 if TYPE_CHECKING:
     from pydlpoly.units import EnergyUnit
@@ -463,6 +464,7 @@ class Scene:
         constraints: fixed distances; None when there are none.
         walls: walls across axes of the cell; None when there are none.
         electrostatics: how charges act; None when they do not.
+        transport: dissolved species and what happens to them; None when beads carry none.
     """
 
     title: str
@@ -492,6 +494,7 @@ class Scene:
     constraints: Constraints | None = None
     walls: Walls | None = None
     electrostatics: Electrostatics | None = None
+    transport: Transport | None = None
 
     @property
     def constraint_count(self) -> int:
