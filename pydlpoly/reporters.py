@@ -400,6 +400,7 @@ class OutputReporter:
                 if isinstance(reporter, (StressProfile, StressCorrelations))
                 for estimate in reporter.estimates()
             ],
+            species_balance=simulation.species_balance(),
         )
         if self._writer is not None:
             self._writer.summary(summary)

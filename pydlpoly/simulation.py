@@ -7,6 +7,7 @@ reporters of its step: whatever is saved then can be continued without a record 
 
 from __future__ import annotations
 
+import math
 import secrets
 import time as clock
 from collections.abc import Callable
@@ -21,6 +22,7 @@ from pydlpoly.engines.native import NativeEngine, Totals, default_threads
 from pydlpoly.errors import InputError, RunError, SceneError
 from pydlpoly.formats.checkpoint import read_checkpoint, write_checkpoint
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.formats.species_balance import SpeciesBalance
 from pydlpoly.interrupts import deferred_signals
 from pydlpoly.scene.continuation import check_continues
 from pydlpoly.scene.model import BondedKind, Precision, Scene
@@ -180,6 +182,7 @@ class Simulation:
         self._engine.start(scene)
         self.start_cell: FloatArray = self.cell
         self.start_positions: FloatArray = np.asarray(self._engine.system.positions)
+        self._start_amounts = self._amounts()
         self._configurational: tuple[int, tuple[float, float]] | None = None  # with its step
         self._rate = 0.0
         self._interrupted = False
@@ -438,6 +441,30 @@ class Simulation:
             return float(system.volume)
         return float(system.distance_volumes) / samples
 
+    def _amounts(self) -> FloatArray:
+        """Return how much of each dissolved species all beads have, (species,)."""
+        columns = np.asarray(self._engine.system.concentrations).T
+        return np.array([math.fsum(column.tolist()) for column in columns])
+
+    def species_balance(self) -> tuple[SpeciesBalance, ...]:
+        """Return what became of the amount of each dissolved species since the scene's start; empty without any."""
+        if self.scene.transport is None or self._engine.transport is None:
+            return ()
+        tally = np.asarray(self._engine.transport.tally)
+        gains = (tally[:3] + tally[3:]).T
+        rows = zip(self.scene.transport.species, self._start_amounts, gains, self._amounts(), strict=True)
+        return tuple(
+            SpeciesBalance(
+                name,
+                start=float(start),
+                sources=float(given[0]),
+                reactions=float(given[1]),
+                held=float(given[2]),
+                now=float(now),
+            )
+            for name, start, given, now in rows
+        )
+
     def layer_sums(self, axis: int, layers: int) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.int64]]:
         """Return Σ m v_a v_b, and Σ F_a r_b of pair laws and of bonded terms, in layers of the cell at this step.
 
@@ -475,6 +502,9 @@ class Simulation:
             arrays["bead_temperatures"] = np.asarray(system.bead_temperatures)
         if self.scene.beads.concentrations is not None:
             arrays["concentrations"] = np.asarray(system.concentrations)
+        if self._engine.transport is not None:
+            arrays["start_amounts"] = self._start_amounts
+            arrays["transport_tally"] = np.asarray(self._engine.transport.tally)
         if self.scene.output.rdf_every > 0:
             arrays["distance_counts"] = np.asarray(system.distance_counts())
         for reporter in self.reporters:
@@ -536,6 +566,9 @@ class Simulation:
             system.bead_temperatures = arrays["bead_temperatures"].tolist()
         if self.scene.beads.concentrations is not None:
             system.concentrations = arrays["concentrations"]
+        if self._engine.transport is not None:
+            self._start_amounts = arrays["start_amounts"]
+            self._engine.transport.tally = arrays["transport_tally"]
         self._engine.initialise()
         system.velocities = arrays["velocities"]  # of the whole step; some fields prescribe others between its kicks
         # The stored forces and totals hold the drag of the half-step velocities, which are gone.

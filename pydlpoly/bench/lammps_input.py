@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pydlpoly.bench.lammps_transport import transport_commands
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.model import Bonded, PairTerm, Scene
 
@@ -15,7 +16,7 @@ SKINS = (0.1, 0.2, 0.3, 0.4)
 _CHECKED = "neigh_modify delay 0 every 1 check yes"
 _BONDED = {("bond", "harm"): "harmonic", ("angle", "hcos"): "cosine/squared"}
 _SECTIONS = {"bond": "Bonds", "angle": "Angles"}
-_VARIANTS = {"dpd": ("dpd", "dpd/omp"), "lj/cut": ("lj/cut", "lj/cut/opt", "lj/cut/omp")}
+_VARIANTS = {"tdpd": ("tdpd",), "dpd": ("dpd", "dpd/omp"), "lj/cut": ("lj/cut", "lj/cut/opt", "lj/cut/omp")}
 
 
 @dataclass(frozen=True)
@@ -98,10 +99,24 @@ def lammps_input(scene: Scene) -> LammpsInput | str:
 def _dpd(scene: Scene) -> LammpsInput | str:
     if scene.dynamics.integrator != "mdvv" or scene.dynamics.prediction != 0.5:
         return "only DPD with lambda 1/2 is translated"
+    if scene.transport is not None:
+        return _transport(scene)
     largest = max(term.cutoff for term in scene.pairs)
     coefficients = [f"{_types(term)} {term.parameters[0]} {term.drag} {term.cutoff}" for term in scene.pairs]
     settings = f"{scene.dynamics.thermal_energy} {largest} 34387"
     return _input(scene, "dpd", settings, coefficients, {})
+
+
+def _transport(scene: Scene) -> LammpsInput | str:
+    assert scene.transport is not None
+    if scene.bonded is not None:
+        return "dissolved species in molecules are not translated"
+    commands = transport_commands(scene, scene.transport)
+    if isinstance(commands, str):
+        return commands
+    plain = _input(scene, "tdpd", commands.settings, commands.coefficients, {})
+    box = [line.replace("atom_style atomic", f"atom_style {commands.atom_style}") for line in plain.box]
+    return replace(plain, box=box, dynamics=commands.dynamics)
 
 
 def _lennard_jones(scene: Scene) -> LammpsInput | str:

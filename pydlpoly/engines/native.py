@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pydlpoly import _core
+from pydlpoly.engines.native_transport import make_transport
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.explain import PLANS
@@ -107,6 +108,9 @@ class NativeEngine:
             self.system.concentrations = beads.concentrations
         if scene.many_body is not None:
             _set_many_body(self.system, scene.many_body)
+        self.transport = None if scene.transport is None else make_transport(scene, scene.transport)
+        if self.transport is not None:
+            self.transport.join(self.system)
         if scene.bonded is not None:
             self.system.set_bonded(_bonded_terms(scene, scene.bonded), scene.bonded.excluded.tolist())
         if scene.electrostatics is not None:

@@ -22,6 +22,7 @@ from pydlpoly.formats.averages import RollingAverages, RunningAverages
 from pydlpoly.formats.blocks import Estimate
 from pydlpoly.formats.fortran import fortran_e, fortran_f, fortran_i
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.formats.species_balance import SpeciesBalance, balance_text
 
 __all__ = ["OutputWriter", "RollingAverages", "RunSummary", "RunningAverages"]
 
@@ -58,6 +59,7 @@ class RunSummary:
         thermostat_temperature: None without a thermostat, or when it varies.
         energy_drift: of the total energy per bead and unit of time, in nve runs.
         stress_estimates: what was made of samples of the stress: name, estimate and unit.
+        species_balance: amounts of dissolved species, and where they came from.
     """
 
     steps: int
@@ -80,6 +82,7 @@ class RunSummary:
     thermostat_temperature: float | None = None
     energy_drift: Estimate | None = None
     stress_estimates: Sequence[tuple[str, Estimate, str]] = ()
+    species_balance: Sequence[SpeciesBalance] = ()
 
 
 class OutputWriter:
@@ -154,6 +157,7 @@ class OutputWriter:
             if summary.diffusion:
                 pieces.append(_diffusion(summary.diffusion, reduced=not self._time))
         pieces += [self._temperatures(summary), self._energy_drift(summary), _stress_estimates(summary)]
+        pieces.append(balance_text(summary.species_balance))
         if summary.warnings:
             pieces.append("Warnings of this run:\n" + "".join(f"  {_one_line(w)}\n" for w in summary.warnings) + "\n")
         pieces.append(_timings(summary))

@@ -10,11 +10,12 @@ import numpy as np
 
 from pydlpoly import _core
 from pydlpoly.formats.records import FloatArray
-from pydlpoly.scene import explain_bonded
+from pydlpoly.scene import explain_bonded, explain_transport
 from pydlpoly.scene.cell import widths
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
 from pydlpoly.scene.laws import pair_laws
 from pydlpoly.scene.model import CorrelationPlan, Note, PairTerm, ProfilePlan, Scene
+from pydlpoly.scene.transport_terms import Transport
 from pydlpoly.units import BOLTZMANN
 
 _WIDTH = 100
@@ -48,6 +49,7 @@ def explain(scene: Scene) -> str:
         ("Pair table", _pairs(scene)),
         ("Bonded terms", _bonded(scene)),
         ("Electrostatics", _electrostatics(scene)),
+        *([] if scene.transport is None else [("Dissolved species", _transport(scene, scene.transport))]),
         ("Cutoffs and link cells", _cutoffs(scene)),
         ("Plan", _plan(scene)),
         ("Long-range correction", _long_range(scene)),
@@ -349,6 +351,16 @@ def _electrostatics(scene: Scene) -> list[str]:
     if frozen:
         texts.append(f"{frozen} of the charged beads are frozen; what acts between them is in no energy or pressure")
     return [line for text in texts for line in _wrap(text)]
+
+
+def _transport(scene: Scene, transport: Transport) -> list[str]:
+    table = _table(*explain_transport.headers_and_rows(scene, transport)) if transport.fluxes else []
+    texts = explain_transport.sentences(scene, transport)
+    return [
+        "C is an amount a bead; dC = -kappa w^2 (Ci - Cj) dt between beads, w^2 = (1 - r/range)^exponent",
+        *table,
+        *(line for text in texts for line in _wrap(text)),
+    ]
 
 
 def _cutoffs(scene: Scene) -> list[str]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.scene.transport_terms import Transport
 
 if TYPE_CHECKING:
     from pydlpoly.units import EnergyUnit
@@ -506,6 +507,7 @@ class Scene:
         walls: walls across axes of the cell; None when there are none.
         electrostatics: how charges act; None when they do not.
         many_body: local densities and what they do to pairs of the law mdpd; None without such pairs.
+        transport: dissolved species and what happens to them; None when beads carry none.
     """
 
     title: str
@@ -536,6 +538,7 @@ class Scene:
     walls: Walls | None = None
     electrostatics: Electrostatics | None = None
     many_body: ManyBody | None = None
+    transport: Transport | None = None
 
     @property
     def constraint_count(self) -> int:

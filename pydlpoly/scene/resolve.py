@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -31,6 +32,7 @@ from pydlpoly.scene.replicate import replicate_as_asked
 from pydlpoly.scene.settings import Notes, Settings, place
 from pydlpoly.scene.shear import SHEARED_SHAPE, check_shear, resolve_shear
 from pydlpoly.scene.stress import check_profile
+from pydlpoly.scene.transport import resolve_transport, start_concentrations
 from pydlpoly.scene.walls import check_beads_inside, open_axes, resolve_walls
 from pydlpoly.units import ENERGY_UNITS, EnergyUnit, energy_unit
 
@@ -111,6 +113,9 @@ def resolve(
     output = resolve_output(settings, field, layout.species_names, pairs, cutoffs[0], notes, cell, periodic)
     velocities = start_velocities(config, layout, run, fixed and dynamics.shear_rate == 0.0, notes)
     beads = _beads(layout, _wrapped(config, cell, periodic), velocities)
+    transport = resolve_transport(field, layout.species_names, cell, periodic, dynamics.timestep, notes)
+    if transport is not None:
+        beads = replace(beads, concentrations=_frozen(start_concentrations(transport, beads, cell, periodic)))
     charged = electrostatics is not None
     bonded = resolve_bonded(
         field, field_units.factor, beads, cell, periodic, config.path, notes, strength, charged, bonded_tables
@@ -158,6 +163,7 @@ def resolve(
         walls=walls,
         electrostatics=electrostatics,
         many_body=many_body,
+        transport=transport,
     )
     check_many_body(scene, field, settings)
     check_profile(scene, settings)
@@ -170,6 +176,11 @@ def _beads(layout: Layout, positions: FloatArray, velocities: FloatArray | None)
         if array is not None:
             array.setflags(write=False)  # a scene is immutable
     return Beads(*arrays, velocities)
+
+
+def _frozen(array: FloatArray) -> FloatArray:
+    array.setflags(write=False)  # a scene is immutable
+    return array
 
 
 def _keep_warnings(path: str, warnings: Iterable[str], notes: Notes) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pydlpoly import units
 from pydlpoly.errors import InputError
-from pydlpoly.scene import model
+from pydlpoly.scene import model, transport_terms
 
 _CLASSES: dict[str, type[Any]] = {
     cls.__name__: cls
@@ -35,6 +35,11 @@ _CLASSES: dict[str, type[Any]] = {
         model.CorrelationPlan,
         model.OutputPlan,
         model.Scene,
+        transport_terms.Region,
+        transport_terms.SpeciesFlux,
+        transport_terms.SpeciesValue,
+        transport_terms.Reaction,
+        transport_terms.Transport,
         units.EnergyUnit,
     )
 }

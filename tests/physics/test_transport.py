@@ -1,0 +1,125 @@
+"""Transport DPD against closed forms: diffusivity, LAMMPS's printed profiles and their analytic form, a Fisher front."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pydlpoly import Simulation, load
+from pydlpoly.bench.scenes import dissolved_species
+from pydlpoly.cli import example_folder
+from pydlpoly.formats.records import FloatArray
+from pydlpoly.scene.model import Scene
+
+from ..scene_builder import make_scene
+
+pytestmark = [pytest.mark.slow, pytest.mark.long]
+
+SEED = 20260606
+LENGTH = 10.0  # of the halves of LAMMPS's box that are fed and drained
+
+
+def mean_field(density: float, kappa: float, reach: float, exponent: float = 2.0) -> float:
+    """(2π/3) ρ κ r⁵ 4! s!/(s + 5)!, what neighbours without order exchange."""
+    part = 24.0 * math.gamma(exponent + 1.0) / math.gamma(exponent + 6.0)
+    return 2.0 * math.pi / 3.0 * density * kappa * reach**5 * part
+
+
+def concentrations(simulation: Simulation) -> FloatArray:
+    return np.asarray(simulation._engine.system.concentrations)
+
+
+def test_diffusivity_of_the_mean_field_and_of_the_beads() -> None:
+    """A cosine decays as exp(−D q² t) with D of the formula and the beads' own; 5 % each."""
+    density, edges, steps = 4.0, np.array([14.0, 6.0, 6.0]), 150
+    count = round(density * edges.prod())
+    scene = make_scene(
+        {"W": count},
+        ["W W dpd 18.75 1.58 4.5"],
+        cell=edges,
+        control={"cutoff": "1.58 ang", "ensemble_dpd_exponent": "0.41"},
+        extension="\n".join([
+            "extension transport",
+            "species still slow fast steep",
+            "pair W W slow kappa 1.0 range 1.58",
+            "pair W W fast kappa 3.0 range 1.2",
+            "pair W W steep kappa 2.0 range 1.58 exponent 4.0",
+            "end extension",
+            "",
+        ]),
+    )  # fmt: skip
+    simulation = Simulation(scene, seed=SEED)
+    simulation.run(300)
+    q = 2.0 * math.pi / edges[0]
+    wave = 1.0 + 0.5 * np.cos(q * simulation.positions[:, :1])
+    simulation._engine.system.concentrations = np.tile(wave, (1, 4))
+    begin = _amplitude(simulation, q)
+    simulation.run(steps)
+    time = steps * scene.dynamics.timestep
+    seen = -np.log(_amplitude(simulation, q) / begin) / (q * q * time)
+    own = seen[0]  # what stays in its bead diffuses as the beads
+    assert 0.02 < own < 0.4
+    exchanged = seen[1:] - own
+    wanted = [mean_field(density, 1.0, 1.58), mean_field(density, 3.0, 1.2), mean_field(density, 2.0, 1.58, 4.0)]
+    assert exchanged == pytest.approx(wanted, rel=0.05)
+
+
+def _amplitude(simulation: Simulation, q: float) -> FloatArray:
+    wave = np.cos(q * simulation.positions[:, 0])
+    return np.asarray(2.0 * (wave[:, None] * (concentrations(simulation) - 1.0)).mean(axis=0))
+
+
+PRINTED = np.array([
+    [.98666, .96797, .95705, .95127, .94898, .94938, .95251, .95932, .97152, .99064,
+     1.00924, 1.02831, 1.04071, 1.04749, 1.05063, 1.05105, 1.04877, 1.04305, 1.03208, 1.01351],
+    [1.0077, 1.02003, 1.02873, 1.03428, 1.03692, 1.03673, 1.03374, 1.02778, 1.01867, 1.00626,
+     .993828, .981436, .972184, .966258, .963256, .963052, .965688, .971187, .97993, .992209],
+])  # fmt: skip
+
+
+def profiles(scene: Scene) -> tuple[FloatArray, Simulation]:
+    """(species, 20) means of steps 500 to 600 over layers along y."""
+    simulation = Simulation(scene, seed=SEED)
+    simulation.run(500)
+    total, count = np.zeros((2, 20)), np.zeros(20)
+    for _ in range(10):
+        simulation.run(10)
+        layer = np.floor(simulation.positions[:, 1] + LENGTH).astype(int)
+        count += np.bincount(layer, minlength=20)
+        values = concentrations(simulation)
+        total += [np.bincount(layer, values[:, k], minlength=20) for k in range(2)]
+    return total / count, simulation
+
+
+def transient(diffusivity: float, rate: float, times: FloatArray) -> FloatArray:
+    """Profile at y = −9.5 … 9.5 of sources ±rate in the halves of a periodic box, averaged over times."""
+    y = np.arange(-9.5, 10.0)
+    profile = np.zeros((len(times), 20))
+    for n in range(1, 200, 2):
+        decay = 1.0 - np.exp(-((n * math.pi / LENGTH) ** 2) * diffusivity * times)
+        size = 4.0 * rate * LENGTH**2 / (diffusivity * (n * math.pi) ** 3)
+        profile += size * decay[:, None] * (np.sign(y) * np.sin(n * math.pi * np.abs(y) / LENGTH))[None, :]
+    return np.asarray(1.0 + profile.mean(axis=0))
+
+
+def test_profiles_of_lammps_example() -> None:
+    """With LAMMPS's noise within 0.004 of its printed profiles, whose own layers scatter by about 0.001."""
+    seen, _ = profiles(dissolved_species())
+    assert np.abs(seen - PRINTED).max() < 0.004
+
+
+def test_profiles_with_root_noise_are_the_analytic_transient() -> None:
+    scene = dissolved_species()
+    assert scene.transport is not None
+    seen, simulation = profiles(replace(scene, transport=replace(scene.transport, noise="sqrt")))
+    moved = simulation.displacements()
+    own = float((moved**2).sum(axis=1).mean()) / (6.0 * simulation.time)
+    times = np.arange(5.1, 6.05, 0.1)
+    for k, (kappa, rate) in enumerate(((1.0, 0.01), (3.0, -0.01))):
+        wanted = transient(mean_field(4.0, kappa, 1.58) + own, rate, times)
+        assert np.abs(seen[k] - wanted).max() < 0.004
+    for balance in simulation.species_balance():
+        assert abs(balance.remainder) < 1e-12 * balance.now
