@@ -16,6 +16,8 @@ from pydlpoly.analysis.mdanalysis import universe
 from pydlpoly.analysis.molecules import Molecules, molecule_centres, molecules_of
 from pydlpoly.analysis.msd import MeanSquareDisplacement
 from pydlpoly.analysis.order import OrientationalOrder
+from pydlpoly.analysis.profile import Profile, profile_of_arrays
+from pydlpoly.analysis.profile_plot import plot_map, plot_profile
 from pydlpoly.analysis.rdf import RadialDistribution
 from pydlpoly.analysis.structure_factor import StructureFactor
 from pydlpoly.analysis.vaf import VelocityAutocorrelation
@@ -32,6 +34,7 @@ __all__ = [
     "MeanSquareDisplacement",
     "Molecules",
     "OrientationalOrder",
+    "Profile",
     "RadialDistribution",
     "StructureFactor",
     "VelocityAutocorrelation",
@@ -39,6 +42,9 @@ __all__ = [
     "frames_of_arrays",
     "molecule_centres",
     "molecules_of",
+    "plot_map",
+    "plot_profile",
+    "profile_of_arrays",
     "terms_of",
     "universe",
 ]
