@@ -517,6 +517,14 @@ class System:
         every: typing.SupportsInt | typing.SupportsIndex,
         after: typing.SupportsInt | typing.SupportsIndex = 0,
     ) -> None: ...
+    def exchange(
+        self,
+        temperatures: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        concentrations: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"],
+    ) -> None:
+        """
+        Replace what beads carry between two steps, as a process does: forces stay those of the last step.
+        """
     def initialise(self) -> None:
         """
         Computes and observes the forces of the present state.

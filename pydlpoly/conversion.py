@@ -7,17 +7,18 @@ from pathlib import Path
 
 from pydlpoly.errors import InputError, RunError
 from pydlpoly.formats.atomic import replace_file
+from pydlpoly.formats.beads_file import write_beads
 from pydlpoly.formats.config import write_config
 from pydlpoly.formats.control import write_control
 from pydlpoly.formats.field import write_field
 from pydlpoly.scene.load import read_records
 
-_FILE_NAMES = ("io_file_config", "io_file_field", "io_file_control")
+_FILE_NAMES = ("io_file_config", "io_file_field", "io_file_control", "io_file_beads")
 _DIGITS = 17  # these read back to the last bit
 
 
 def convert_folder(source: Path, target: Path, *, lenient: bool = False) -> tuple[str, ...]:
-    """Write CONTROL (new style), FIELD and CONFIG of the run in ``source`` into ``target``, which is made if need be.
+    """Write CONTROL (new style), FIELD, CONFIG, and BEADS where it is used, of the run in ``source`` into ``target``.
 
     The files load as the same scene: the same forces, and with the same seed the same trajectory, to the last bit.
 
@@ -43,6 +44,9 @@ def convert_folder(source: Path, target: Path, *, lenient: bool = False) -> tupl
         target.mkdir(parents=True, exist_ok=True)
         for name, text in texts.items():
             replace_file(target / name, text)
+        if read.bead_table is not None:
+            table = read.bead_table
+            write_beads(target / "BEADS", table.title, table.names, list(table.values.T))
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror or error}", path=str(target)) from error
     except RunError as error:

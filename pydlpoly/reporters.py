@@ -21,6 +21,7 @@ from pydlpoly.background import BackgroundWriter
 from pydlpoly.correlations import StressCorrelations
 from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import atomic_file
+from pydlpoly.formats.beads_file import write_beads
 from pydlpoly.formats.config_writer import write_config_to
 from pydlpoly.formats.diagnostics import DiagnosticsWriter
 from pydlpoly.formats.history import HistoryWriter
@@ -28,6 +29,7 @@ from pydlpoly.formats.output import OutputWriter, RollingAverages, RunningAverag
 from pydlpoly.formats.rdfdat import normalise_rdf, write_rdf
 from pydlpoly.formats.records import Configuration, FloatArray
 from pydlpoly.formats.statis import STATISTICS_NAMES, StatisticsRecord, StatisticsWriter
+from pydlpoly.scene.beads_state import carried_names
 from pydlpoly.scene.model import Scene
 from pydlpoly.simulation import Observation, Simulation
 from pydlpoly.stress_profile import StressProfile
@@ -468,13 +470,15 @@ def _diffusion(simulation: Simulation) -> dict[str, tuple[float, float]]:
 
 
 class CheckpointReporter:
-    """Writes REVCON and the checkpoint, each replaced as a whole, and has the other files reach the disk first."""
+    """Writes REVCON, REVBEADS and the checkpoint, each replaced as a whole; other files reach the disk first."""
 
     def __init__(self, simulation: Simulation, folder: Path, others: Sequence[object] = ()) -> None:
         output = simulation.scene.output
         self._every = output.checkpoint_every
         self._configuration = folder / output.configuration_file if output.configuration_file else None
         self._checkpoint = folder / output.checkpoint_file if output.checkpoint_file else None
+        self._carried = carried_names(simulation.scene)
+        self._beads = folder / output.beads_file if output.beads_file and self._carried else None
         self._rdf = folder / output.rdf_file if output.rdf_file and output.rdf_every > 0 else None
         self._others = others
         self.written_step: int | None = None
@@ -492,6 +496,9 @@ class CheckpointReporter:
         if self._configuration is not None:
             with atomic_file(self._configuration) as file:
                 write_config_to(file, configuration_of(simulation))
+        if self._beads is not None:
+            arrays = simulation.bead_arrays()
+            write_beads(self._beads, simulation.scene.title, self._carried, [arrays[name] for name in self._carried])
         if self._checkpoint is not None:
             simulation.save(self._checkpoint)
         if self._rdf is not None:

@@ -11,12 +11,14 @@ import os
 import signal
 import sys
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
 
+from pydlpoly.bin_reporter import bin_reporters
+from pydlpoly.callbacks import CallbackFunction
 from pydlpoly.errors import InputError, RunError
 from pydlpoly.formats.output import RunSummary
 from pydlpoly.interrupts import deferred_signals
@@ -29,6 +31,7 @@ from pydlpoly.reporters import (
     stress_reporters,
 )
 from pydlpoly.sampling import DensityReporter, DisplacementReporter, VelocityReporter
+from pydlpoly.scene.beads_state import carried_names
 from pydlpoly.scene.model import Scene
 from pydlpoly.simulation import Reporter, Simulation
 
@@ -71,6 +74,7 @@ def run_scene(
     seed: int | None = None,
     checkpoint: str | Path | None = None,
     progress: bool = False,
+    callbacks: Sequence[tuple[CallbackFunction, int]] = (),
 ) -> RunResult:
     """Run a scene to its last step, writing the files its CONTROL asks for.
 
@@ -82,6 +86,7 @@ def run_scene(
         checkpoint: continue from this file instead of starting anew. STATIS, DIAGNOSTICS and HISTORY are appended to;
             records of steps after the checkpoint's are dropped first, since they are computed anew.
         progress: show a progress bar on a terminal.
+        callbacks: functions and their intervals in steps, as for ``Simulation.add_callback``.
 
     Raises:
         InputError: the checkpoint cannot be continued, or the files cannot be written; nothing has been touched.
@@ -90,6 +95,8 @@ def run_scene(
     last = scene.run.steps if steps is None else steps
     begin = clock.perf_counter()
     simulation = _simulation(scene, last, threads, seed, checkpoint)
+    for function, every in callbacks:
+        simulation.add_callback(function, every)
     target = Path(folder)
     with deferred_signals(simulation.interrupt, _SIGNALS):
         _prepare_folder(target, scene, keep=checkpoint is None)
@@ -176,7 +183,10 @@ def _file_names(scene: Scene) -> list[str]:
         "ZDNDAT" if output.zden_every > 0 else None,
         output.msd_file if output.msd_every > 0 else None,
         *(path.name for path in VelocityReporter.paths(scene, Path()) if output.vaf_every > 0),
+        output.bead_profile.file if output.bead_profile.every > 0 else None,
+        output.bead_map.file if output.bead_map.every > 0 else None,
         output.configuration_file,
+        output.beads_file if carried_names(scene) else None,
         output.checkpoint_file,
     ]
     return [name for name in names if name is not None]
@@ -185,7 +195,8 @@ def _file_names(scene: Scene) -> list[str]:
 def _prepare_folder(folder: Path, scene: Scene, *, keep: bool) -> None:
     """Make sure that all files can be written, then move those of an earlier run aside when ``keep`` says so."""
     paths = [folder / name for name in _file_names(scene)]
-    _refuse_clashes(paths, scene, folder / (scene.output.configuration_file or "") if not keep else None)
+    last = (scene.output.configuration_file, scene.output.beads_file)
+    _refuse_clashes(paths, scene, [] if keep else [folder / name for name in last if name])
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for path in paths:
@@ -201,13 +212,13 @@ def _prepare_folder(folder: Path, scene: Scene, *, keep: bool) -> None:
         raise InputError(f"the output folder cannot be used: {error.strerror or error}", path=str(folder)) from error
 
 
-def _refuse_clashes(paths: list[Path], scene: Scene, allowed: Path | None) -> None:
+def _refuse_clashes(paths: list[Path], scene: Scene, allowed: list[Path]) -> None:
     """Refuse names that would have one file overwrite another, or the input; ``allowed`` may have been read before."""
     sources = {os.path.realpath(source) for source in scene.sources}
     seen: set[str] = set()
     for path in paths:
         real = os.path.realpath(path)
-        if real in sources and path != allowed:
+        if real in sources and path not in allowed:
             raise InputError("is an input file of this run; give the output another name or folder", path=str(path))
         if real in seen:
             raise InputError("two output files of this run have this name", path=str(path))
@@ -222,6 +233,7 @@ def _samplers(simulation: Simulation, folder: Path, *, append: bool) -> Iterator
         yield VelocityReporter(simulation, folder, append=append)
     if output.msd_every > 0:
         yield DisplacementReporter(simulation, folder / output.msd_file, append=append)
+    yield from bin_reporters(simulation, folder)
 
 
 @contextmanager

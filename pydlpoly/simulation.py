@@ -10,20 +10,32 @@ from __future__ import annotations
 import math
 import secrets
 import time as clock
+import warnings
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
+from operator import methodcaller
 from pathlib import Path
 from typing import Any, Protocol, get_args, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pydlpoly.callbacks import Callback, CallbackFunction
 from pydlpoly.engines.native import NativeEngine, Totals, default_threads
-from pydlpoly.errors import InputError, RunError, SceneError
+from pydlpoly.errors import InputError, InputWarning, RunError, SceneError
 from pydlpoly.formats.checkpoint import read_checkpoint, write_checkpoint
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.formats.species_balance import SpeciesBalance
 from pydlpoly.interrupts import deferred_signals
+from pydlpoly.scene.beads_state import (
+    CONCENTRATION,
+    DENSITY,
+    TEMPERATURE,
+    carried_arrays,
+    dissolved_species,
+    has_local_density,
+    why_not,
+)
 from pydlpoly.scene.continuation import check_continues
 from pydlpoly.scene.model import BondedKind, Precision, Scene
 from pydlpoly.scene.serialise import scene_from_arrays, scene_to_arrays
@@ -44,6 +56,9 @@ class State:
         forces: (N, 3) total force including drag and noise, Da Å/ps².
         images: (N, 3) cells crossed since the start; unwrapped = positions + images @ cell.
         step: number of steps taken since the scene's start; time: ps.
+        temperature: (N,) internal temperatures, K (reduced with ``units dpd``); None where beads carry no heat.
+        concentrations: (N, species) of dissolved species; None where there are none.
+        density: (N,) local densities at the last evaluation of the forces; None where no pair law depends on them.
     """
 
     positions: FloatArray
@@ -53,6 +68,9 @@ class State:
     cell: FloatArray
     step: int
     time: float
+    temperature: FloatArray | None = None
+    concentrations: FloatArray | None = None
+    density: FloatArray | None = None
 
     @property
     def unwrapped(self) -> FloatArray:
@@ -187,6 +205,8 @@ class Simulation:
         self._rate = 0.0
         self._interrupted = False
         self._reporter_state: dict[str, NDArray[Any]] = {}
+        self._callbacks: list[Callback] = []
+        self._missed_callbacks: set[tuple[str, int]] = set()  # of the checkpoint, until they are added
         output = scene.output
         if output.rdf_every > 0:
             after = 0 if scene.run.record_equilibration else scene.run.equilibration_steps
@@ -212,6 +232,7 @@ class Simulation:
         if steps < 0:
             raise RunError(f"the number of steps must not be negative, not {steps}")
         last = self.step + steps
+        self._warn_of_missed_callbacks()
         try:
             with deferred_signals(self.interrupt):
                 if progress:
@@ -236,8 +257,10 @@ class Simulation:
     def _run_to(self, last: int, show: Callable[[], None] | None) -> None:
         due = [(reporter, self._next_step(reporter)) for reporter in self.reporters]
         while self.step < last:
-            stop = min([last, *(step for _, step in due if step is not None)])
+            calls = [callback.next_step(self.step) for callback in self._callbacks]
+            stop = min([last, *calls, *(step for _, step in due if step is not None)])
             self._advance(min(stop - self.step, self._chunk()))
+            self._call_back()
             for k, (reporter, step) in enumerate(due):
                 if step == self.step:
                     reporter.report(self)
@@ -246,6 +269,51 @@ class Simulation:
                 show()
             if self._interrupted:
                 return
+
+    def add_callback(self, function: CallbackFunction, every: int = 1) -> None:
+        """Have a function called every so many steps, to change what beads carry: a source or a reaction.
+
+        It is called after each step whose number is a multiple of ``every``, before the reporters of that step, and in
+        the order in which callbacks were added. A checkpoint does not hold functions: add them again after ``resume``.
+
+        Args:
+            function: takes a ``pydlpoly.callbacks.Moment`` (positions, velocities, species, temperature, density,
+                concentrations, step, time, …) and returns None, or new values by name: "temperature", (N,),
+                "concentration_<name>", (N,), or "concentrations", (N, species). ``pydlpoly.callbacks.Source`` makes
+                such a function of one that returns rates.
+            every: interval in steps, counted from the scene's start.
+
+        Raises:
+            ValueError: the interval is not a positive whole number. The run raises RunError, with the function's name,
+                when it fails or returns arrays of another shape or with impossible numbers.
+        """
+        callback = Callback(function, every)
+        self._callbacks.append(callback)
+        self._missed_callbacks.discard((callback.name, callback.every))
+
+    def _call_back(self) -> None:
+        for callback in self._callbacks:
+            if self.step % callback.every == 0:
+                self._take_over(callback.values(self))
+
+    def _take_over(self, given: dict[str, FloatArray]) -> None:
+        """Replace what beads carry by new values, by name, without a new evaluation of the forces."""
+        if not given:
+            return
+        temperatures = given[TEMPERATURE] * self.scene.units.boltzmann if TEMPERATURE in given else None
+        concentrations = np.asarray(self._engine.system.concentrations)
+        for k, name in enumerate(dissolved_species(self.scene)):
+            if CONCENTRATION + name in given:
+                concentrations[:, k] = given[CONCENTRATION + name]
+        self._engine.exchange(temperatures, concentrations)
+        self._observation = None
+
+    def _warn_of_missed_callbacks(self) -> None:
+        if self._missed_callbacks:
+            told = ", ".join(f"{name} every {every} steps" for name, every in sorted(self._missed_callbacks))
+            text = f"the checkpoint is of a run with callbacks that were not added again: {told}"
+            warnings.warn(InputWarning(text), stacklevel=3)
+            self._missed_callbacks = set()
 
     def _next_step(self, reporter: Reporter) -> int | None:
         step = reporter.next_step(self.step)
@@ -292,8 +360,8 @@ class Simulation:
 
     @property
     def state(self) -> State:
-        """A copy of positions, velocities, forces, step and time."""
-        system = self._engine.system
+        """A copy of positions, velocities, forces, step and time, and of what beads carry."""
+        system, carried = self._engine.system, self.bead_arrays()
         return State(
             positions=np.asarray(system.positions),
             velocities=np.asarray(system.velocities),
@@ -302,7 +370,24 @@ class Simulation:
             cell=self.cell,
             step=self.step,
             time=self.time,
+            temperature=carried.get(TEMPERATURE),
+            concentrations=None if self.scene.beads.concentrations is None else np.array(system.concentrations),
+            density=carried.get(DENSITY),
         )
+
+    def bead_arrays(self) -> dict[str, FloatArray]:
+        """Return copies of what beads carry, (N,) each, by name; empty in scenes whose beads carry nothing.
+
+        "temperature": internal, K (reduced with ``units dpd``). "concentration_<name>": of each dissolved species.
+        "density": local, at the last evaluation of the forces, where pair laws depend on it.
+        """
+        system, beads = self._engine.system, self.scene.beads
+        temperatures = None if beads.temperature is None else np.asarray(system.bead_temperatures, dtype=np.float64)
+        concentrations = None if beads.concentrations is None else np.asarray(system.concentrations)
+        arrays = carried_arrays(self.scene, temperatures, concentrations)
+        if has_local_density(self.scene):
+            arrays[DENSITY] = np.array(methodcaller("local_densities")(system), dtype=np.float64)
+        return arrays
 
     @property
     def positions(self) -> FloatArray:
@@ -325,20 +410,34 @@ class Simulation:
             start = start @ np.linalg.inv(self.start_cell) @ cell
         return np.asarray(system.positions + system.images @ cell - start)
 
-    def set_state(self, *, positions: FloatArray | None = None, velocities: FloatArray | None = None) -> None:
-        """Replace positions and/or velocities, (N, 3) each, and recompute the forces.
+    def set_state(
+        self,
+        *,
+        positions: FloatArray | None = None,
+        velocities: FloatArray | None = None,
+        temperature: FloatArray | None = None,
+        concentrations: FloatArray | None = None,
+    ) -> None:
+        """Replace positions, velocities or what beads carry, and recompute the forces.
 
         Positions outside the cell are wrapped into it, and the crossed cells are counted in ``State.images``. Beads are
         moved to the lengths of constraints.
 
+        Args:
+            positions: (N, 3), Å; velocities: (N, 3), Å/ps.
+            temperature: (N,) internal temperatures, K (reduced with ``units dpd``), where beads carry heat.
+            concentrations: (N, species) of the dissolved species, where there are any.
+
         Raises:
-            ValueError: an array has another shape, is not finite or is too far away; the state is the one before.
+            ValueError: an array has another shape, is not finite, impossible or too far away, or the beads do not carry
+                this; the state is the one before.
         """
         system = self._engine.system
         shape = (self.scene.bead_count, 3)
         for name, array in (("positions", positions), ("velocities", velocities)):
             if array is not None and (np.shape(array) != shape or not np.isfinite(array).all()):
                 raise ValueError(f"{name} must be finite and of shape {shape}")
+        energies = self._checked_carried(temperature, concentrations)
         if positions is not None:
             cells = np.abs(np.asarray(positions) @ np.linalg.inv(self.scene.cell)).max(axis=1)
             if cells.size and not cells.max() < _MOST_CELLS:
@@ -350,10 +449,34 @@ class Simulation:
             system.wrap()
         if velocities is not None:
             system.velocities = np.where(self.scene.beads.frozen[:, None], 0.0, velocities)
+        if energies is not None:
+            system.bead_temperatures = energies.tolist()
+        if concentrations is not None:
+            system.concentrations = np.asarray(concentrations, dtype=np.float64)
         self._observation = self._stored_totals = self._configurational = None
         if self.scene.constraints is not None:
             self._engine.meet_constraints()
         self._engine.initialise()
+
+    def _checked_carried(self, temperature: FloatArray | None, concentrations: FloatArray | None) -> FloatArray | None:
+        """Check what beads are to carry, and return the temperatures as k_B T; ValueError as ``set_state``."""
+        beads = self.scene.beads
+        for what, array, carried in (
+            ("temperature", temperature, beads.temperature),
+            ("concentrations", concentrations, beads.concentrations),
+        ):
+            if array is None:
+                continue
+            if carried is None:
+                raise ValueError(f"beads of this scene carry no {what}")
+            if np.shape(array) != carried.shape:
+                raise ValueError(f"{what} must be of shape {carried.shape}, not {np.shape(array)}")
+            columns = np.asarray(array, dtype=np.float64).reshape(len(beads), -1)
+            for column in columns.T:
+                wrong = why_not(what, column)
+                if wrong is not None:
+                    raise ValueError(f"{what} of bead {wrong[0] + 1} is {column[wrong[0]]:g}; {wrong[1]}")
+        return None if temperature is None else np.asarray(temperature) * self.scene.units.boltzmann
 
     def observe(self) -> Observation:
         """Return energies, temperature, pressure and stress of the present step."""
@@ -517,6 +640,7 @@ class Simulation:
             "time": self.time,
             "distance_samples": int(system.distance_samples),
             "distance_volumes": float(system.distance_volumes),
+            "callbacks": [[callback.name, callback.every] for callback in self._callbacks],
         }
         write_checkpoint(path, arrays, meta)
 
@@ -590,6 +714,7 @@ class Simulation:
         self.start_positions = arrays["start_positions"]
         self.start_cell = arrays.get("start_cell", self.start_cell)
         prefix = "reporter."
+        self._missed_callbacks = {(str(name), int(every)) for name, every in meta.get("callbacks", [])}
         self._reporter_state = {k[len(prefix) :]: v for k, v in arrays.items() if k.startswith(prefix)}
         if self.scene.output.rdf_every > 0 and "distance_counts" in arrays:
             samples = int(meta["distance_samples"])

@@ -445,6 +445,22 @@ void bind_system(py::module_& m) {
             },
             "Of dissolved species in the beads, (N, species); empty: beads carry none.")
         .def(
+            "exchange",
+            [](System& s, std::vector<double> temperatures, const ArrayXN& concentrations) {
+                auto& beads = s.state.particles;
+                require(temperatures.size() == beads.temperature.size() &&
+                            (temperatures.empty() || fits(s, temperatures, 0.0)),
+                        "temperatures must be finite, above 0 and as many as there are");
+                require(concentrations.rows() == beads.concentration.rows() &&
+                            concentrations.cols() == beads.concentration.cols() && concentrations.allFinite() &&
+                            (concentrations.size() == 0 || concentrations.minCoeff() >= 0.0),
+                        "concentrations must be finite, not negative and shaped as they are");
+                beads.temperature = std::move(temperatures);
+                beads.concentration = concentrations;
+            },
+            py::arg("temperatures"), py::arg("concentrations"),
+            "Replace what beads carry between two steps, as a process does: forces stay those of the last step.")
+        .def(
             "wrap",
             [](System& s) {
                 for (Eigen::Index i = 0; i < s.state.particles.count(); ++i) {

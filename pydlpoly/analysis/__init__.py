@@ -17,6 +17,8 @@ from pydlpoly.analysis.mdanalysis import universe
 from pydlpoly.analysis.molecules import Molecules, molecule_centres, molecules_of
 from pydlpoly.analysis.msd import MeanSquareDisplacement
 from pydlpoly.analysis.order import OrientationalOrder
+from pydlpoly.analysis.profile import Profile, profile_of_arrays
+from pydlpoly.analysis.profile_plot import plot_map, plot_profile
 from pydlpoly.analysis.rdf import RadialDistribution
 from pydlpoly.analysis.structure_factor import StructureFactor
 from pydlpoly.analysis.vaf import VelocityAutocorrelation
@@ -34,6 +36,7 @@ __all__ = [
     "MeanSquareDisplacement",
     "Molecules",
     "OrientationalOrder",
+    "Profile",
     "RadialDistribution",
     "StructureFactor",
     "VelocityAutocorrelation",
@@ -41,6 +44,9 @@ __all__ = [
     "frames_of_arrays",
     "molecule_centres",
     "molecules_of",
+    "plot_map",
+    "plot_profile",
+    "profile_of_arrays",
     "terms_of",
     "universe",
 ]

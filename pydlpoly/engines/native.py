@@ -177,6 +177,18 @@ class NativeEngine:
         _core.set_threads(self.threads)
         self.system.run(steps)
 
+    def exchange(self, temperatures: FloatArray | None, concentrations: FloatArray | None) -> None:
+        """Replace what beads carry between two steps; the forces stay those of the last one.
+
+        Args:
+            temperatures: (N,) as k_B T; concentrations: (N, species). None keeps them.
+        """
+        system = self.system
+        system.exchange(
+            system.bead_temperatures if temperatures is None else temperatures.tolist(),
+            system.concentrations if concentrations is None else concentrations,
+        )
+
     def totals(self) -> Totals:
         """Return what was observed at the last observed step."""
         system = self.system

@@ -331,6 +331,36 @@ class BondedTable:
     line: int = 0
 
 
+@dataclass(frozen=True, eq=False)
+class BeadTable:
+    """A BEADS file: what beads carry beside position and velocity, in the order of the bead indices.
+
+    Attributes:
+        names: of the columns, "temperature" or "concentration_" and the name of a dissolved species.
+        values: (N, columns), temperatures in K (reduced numbers with FIELD's ``units dpd``).
+        rows: (N,) where in the file each bead stands, from 0; None when the beads stand in order.
+    """
+
+    names: tuple[str, ...]
+    values: FloatArray
+    title: str = ""
+    rows: IntArray | None = None
+    path: str = "BEADS"
+
+    def line_of(self, bead: int) -> int:
+        """Return the line of a bead counted from 0."""
+        return 3 + (bead if self.rows is None else int(self.rows[bead]))
+
+    def __eq__(self, other: object) -> bool:
+        """Compare title, names and values."""
+        if not isinstance(other, BeadTable):
+            return NotImplemented
+        same = (self.title, self.names) == (other.title, other.names)
+        return same and np.array_equal(self.values, other.values)
+
+    __hash__ = None  # type: ignore[assignment]  # arrays are not hashable
+
+
 def _same(a: FloatArray | None, b: FloatArray | None) -> bool:
     if a is None or b is None:
         return a is b

@@ -11,6 +11,8 @@ import numpy as np
 from pydlpoly import _core
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene import explain_bonded, explain_transport
+from pydlpoly.scene.beads_state import carried_names
+from pydlpoly.scene.bins import quantities_of
 from pydlpoly.scene.cell import widths
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
 from pydlpoly.scene.laws import pair_laws
@@ -485,7 +487,8 @@ def _output(scene: Scene) -> list[str]:
     trajectory = f"{level[plan.trajectory_level]} from step {plan.trajectory_start}"
     yaml = " as YAML" if plan.statistics_yaml else ""
     pairs = ", ".join("-".join(scene.species[k] for k in pair) for pair in plan.rdf_pairs)
-    last = [name for name in (plan.configuration_file, plan.checkpoint_file) if name]
+    beads_file = plan.beads_file if carried_names(scene) else None
+    last = [name for name in (plan.configuration_file, beads_file, plan.checkpoint_file) if name]
     dump = f" and {_every(plan.checkpoint_every)}" if plan.checkpoint_every else ""
     files = [
         (plan.output_file, plan.print_every, f"report, rolling averages over {plan.stack_size} steps"),
@@ -503,6 +506,7 @@ def _output(scene: Scene) -> list[str]:
             plan.vaf_every,
             f"a sample over {plan.vaf_steps} steps begins, {'averaged' if plan.vaf_averaging else 'each written'}",
         ),
+        *_bins(scene),
         (plan.msd_file, plan.msd_every, f"displacement and temperature of every bead from step {plan.msd_start}"),
     ]
     files += [_profile(plan.profile), _correlations(plan.correlations)]
@@ -517,6 +521,15 @@ def _output(scene: Scene) -> list[str]:
     if silent:
         flat.append(f"not written: {', '.join(silent)}")
     return flat or ["nothing is written"]
+
+
+def _bins(scene: Scene) -> list[tuple[str | None, int, str]]:
+    files = []
+    for what, plan in (("profiles", scene.output.bead_profile), ("maps", scene.output.bead_map)):
+        bins, axes = " x ".join(str(count) for count in plan.bins), " and ".join(plan.axes)
+        names = ", ".join(quantities_of(scene, plan.quantities))
+        files.append((plan.file, plan.every, f"{what} along {axes} in {bins} bins: {names}"))
+    return files
 
 
 def _profile(plan: ProfilePlan) -> tuple[str | None, int, str]:

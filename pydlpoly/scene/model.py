@@ -444,6 +444,20 @@ class CorrelationPlan:
 
 
 @dataclass(frozen=True)
+class BinPlan:
+    """Averages of what beads do and carry in bins along one axis, or along two: every how many steps (0 = never).
+
+    ``quantities`` are names of ``pydlpoly.scene.bins``; empty: all that the scene has.
+    """
+
+    every: int = 0
+    axes: tuple[Axis, ...] = ("z",)
+    bins: tuple[int, ...] = (100,)
+    quantities: tuple[str, ...] = ()
+    file: str | None = "PROFILE"
+
+
+@dataclass(frozen=True)
 class OutputPlan:
     """What is written, how often (in steps, 0 = never) and under what name (None = not written).
 
@@ -481,6 +495,9 @@ class OutputPlan:
     msd_every: int = 0
     msd_start: int = 0
     msd_file: str = "MSDTMP"
+    beads_file: str | None = "REVBEADS"
+    bead_profile: BinPlan = BinPlan()
+    bead_map: BinPlan = BinPlan(axes=("x", "y"), bins=(50, 50), file="MAP")
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from pydlpoly.errors import SceneError
-from pydlpoly.formats.records import BondedTable, Configuration, Control, Field, FloatArray, PairTable
+from pydlpoly.formats.records import BeadTable, BondedTable, Configuration, Control, Field, FloatArray, PairTable
 from pydlpoly.scene.barostat import check_barostat, resolve_barostat, shape_of
 from pydlpoly.scene.beads import Layout, check_configuration, lay_out
+from pydlpoly.scene.beads_state import repeated_table, with_bead_table
+from pydlpoly.scene.bins import check_bins
 from pydlpoly.scene.bonded import resolve_bonded
 from pydlpoly.scene.bonded_laws import KINDS
 from pydlpoly.scene.cell import resolve_cell, widths, wrap
@@ -40,6 +42,7 @@ from pydlpoly.units import ENERGY_UNITS, EnergyUnit, energy_unit
 _FOLLOWED_BY_READERS = (
     "io_file_config",
     "io_file_field",
+    "io_file_beads",
     *(f"io_file_{name}" for name in ("tabvdw", "tabbnd", "tabang", "tabdih", "tabinv")),
     "ignore_config_indices",
 )
@@ -54,6 +57,7 @@ def resolve(
     *,
     tables: Iterable[PairTable] = (),
     bonded_tables: Iterable[BondedTable] = (),
+    bead_table: BeadTable | None = None,
     sources: Iterable[str] = (),
 ) -> Scene:
     """Return the complete scene that the three records describe.
@@ -64,6 +68,8 @@ def resolve(
         config: periodicity, cell, positions and, by level, velocities.
         tables: tabulated pair laws, for the ``tab`` pairs of ``field``.
         bonded_tables: tabulated bonded laws, for the ``tab`` terms of ``field``.
+        bead_table: internal temperatures and concentrations of the beads at the start, in place of those that FIELD's
+            extensions give.
         sources: names for the scene's list of sources; by default the records' own paths.
 
     Raises:
@@ -78,7 +84,9 @@ def resolve(
     settings.refuse_unmodelled()
     settings.consumed.update(_FOLLOWED_BY_READERS)
     _refuse_unmodelled_blocks(field)
+    single = field
     field, config = replicate_as_asked(settings, field, config, notes)
+    bead_table = repeated_table(bead_table, single, field)
 
     units, field_units = _units(settings, field, notes)
     dynamics = resolve_dynamics(settings, field_units.reduced, notes)
@@ -167,7 +175,8 @@ def resolve(
     )
     check_many_body(scene, field, settings)
     check_profile(scene, settings)
-    return scene
+    check_bins(scene, settings)
+    return with_bead_table(scene, bead_table)
 
 
 def _beads(layout: Layout, positions: FloatArray, velocities: FloatArray | None) -> Beads:

@@ -33,6 +33,7 @@ _CLASSES: dict[str, type[Any]] = {
         model.ProfilePlan,
         model.CorrelationTerm,
         model.CorrelationPlan,
+        model.BinPlan,
         model.OutputPlan,
         model.Scene,
         transport_terms.Region,
