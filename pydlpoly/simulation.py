@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import secrets
 import time as clock
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -148,6 +149,10 @@ class Simulation:
         cell_width: link cells of at least this width (Å) instead of one cutoff. Results do not depend on it.
         precision: "double", "mixed" or "reference" in place of the scene's.
 
+    Attributes:
+        seconds: wall-clock seconds that ``run`` has spent so far: "engine" for the steps themselves, and those of each
+            reporter under the name of its class.
+
     Raises:
         SceneError: the scene cannot be run.
     """
@@ -182,6 +187,7 @@ class Simulation:
         self.start_positions: FloatArray = np.asarray(self._engine.system.positions)
         self._configurational: tuple[int, tuple[float, float]] | None = None  # with its step
         self._rate = 0.0
+        self.seconds: Counter[str] = Counter()
         self._interrupted = False
         self._reporter_state: dict[str, NDArray[Any]] = {}
         output = scene.output
@@ -237,7 +243,9 @@ class Simulation:
             self._advance(min(stop - self.step, self._chunk()))
             for k, (reporter, step) in enumerate(due):
                 if step == self.step:
+                    begin = clock.perf_counter()
                     reporter.report(self)
+                    self.seconds[type(reporter).__name__] += clock.perf_counter() - begin
                     due[k] = reporter, self._next_step(reporter)
             if show is not None:
                 show()
@@ -261,6 +269,7 @@ class Simulation:
         begin = clock.perf_counter()
         self._engine.run(steps)
         elapsed = max(clock.perf_counter() - begin, 1e-9)
+        self.seconds["engine"] += elapsed
         # A chunk that a report cut short, or that the machine held up, says little about the next one.
         weight = 1.0 if self._rate == 0.0 else elapsed / (elapsed + _SECONDS_PER_CHUNK)
         self._rate += weight * (steps / elapsed - self._rate)
