@@ -44,16 +44,16 @@ def temperature(run: Run) -> Drawing | None:
         return None
     configurational = found.get("configurational_temperature")
     figure, (axes,) = new_axes()
-    _faint(axes, kinetic, "kinetic, each record")
-    _running(axes, 0, kinetic, "kinetic, mean so far")
+    _faint(axes, kinetic, "kinetic, each")
+    _running(axes, 0, kinetic, "kinetic, mean")
     words = [f"Kinetic temperature {_in_words(kinetic)}."]
     if configurational is not None:
-        _running(axes, 1, configurational, "configurational, mean so far")
+        _running(axes, 1, configurational, "configurational, mean")
         words.append(f"Configurational temperature {_in_words(configurational)}.")
     elif run.log is not None and "configurational" in run.log.temperatures:
         value, error = run.log.temperatures["configurational"]
-        average = Average(value, error, 7.0, 8)
-        axes.axhline(value, color="#D55E00", linestyle=(0, (5, 1.5)), label="configurational, mean in OUTPUT")
+        average = Average(value, error, 1)
+        axes.axhline(value, color="#D55E00", linestyle=(0, (5, 1.5)), label="configurational (OUTPUT)")
         words.append(f"Configurational temperature {with_error(average)} {kinetic.unit}".rstrip() + ", as OUTPUT ends.")
     else:
         words.append("The configurational temperature was not recorded (diagnostics_frequency in CONTROL).")
@@ -102,11 +102,11 @@ def momentum(run: Run) -> Drawing | None:
     drift, thermal = all_series(run).get("momentum_drift"), thermal_momentum(run)
     if drift is None or not thermal > 0.0:
         return None
-    figure, (axes,) = new_axes(0.8 * HEIGHT)
+    figure, (axes,) = new_axes()
     values = drift.values / thermal
     line(axes, 0, drift.times, values, "drift of the total momentum")
     axes.set_ylim(bottom=0.0)
-    _finish(run, axes, "fraction of √(3 M k$_B$T)")
+    _finish(run, axes, "fraction of its thermal size")
     taken = momentum_goes_to(run)
     words = f"The total momentum drifts by at most {np.nanmax(values):.2g} of √(3 M k_B T), its size if nothing kept it."
     words += f" It is not conserved here: {taken}." if taken is not None else " Pair forces, drag and noise conserve it."
@@ -129,7 +129,7 @@ def one_quantity(run: Run, name: str, title: str = "") -> Drawing | None:
     series = pick(run, name)
     figure, (axes,) = new_axes()
     _faint(axes, series, "each record")
-    _running(axes, 0, series, "mean so far, with its error")
+    _running(axes, 0, series, "mean so far ± error")
     _finish(run, axes, axis_label(series.label, series.unit))
     _equilibration(run, axes)
     _limits(axes, [series])
@@ -140,17 +140,17 @@ def one_quantity(run: Run, name: str, title: str = "") -> Drawing | None:
 def _stacked(run: Run, name: str, title: str, shown: list[tuple[Series, str]]) -> Drawing | None:
     if not shown:
         return None
-    figure, rows = new_axes(0.75 + 1.25 * len(shown), len(shown))
+    figure, rows = new_axes(max(HEIGHT, 0.7 + 0.95 * len(shown)), len(shown))
     for axes, (series, label) in zip(rows, shown, strict=True):
         _faint(axes, series, "each record")
-        _running(axes, 0, series, "mean so far, with its error")
+        _running(axes, 0, series, "mean so far ± error")
         _limits(axes, [series])
         _equilibration(run, axes)
         axes.set_ylabel(label)
-    legend(rows[0], 2)
+    legend(rows[0])
     rows[-1].set_xlabel(axis_label("time", run.units.of("time")))
     per = f"per bead, {run.units.energy or 'reduced'}" if run.beads else run.units.energy or "reduced"
-    figure.supylabel(f"energy ({per})", fontsize=9)
+    figure.supylabel(f"energy ({per})", fontsize=10)
     words = " ".join(f"{label[:1].upper() + label[1:]}: {_in_words(series)}." for series, label in shown)
     unit = " per bead" if run.beads else ""
     words = f"Energies{unit}. {words}"
@@ -158,7 +158,8 @@ def _stacked(run: Run, name: str, title: str, shown: list[tuple[Series, str]]) -
 
 
 def _faint(axes: Axes, series: Series, label: str) -> None:
-    axes.plot(*thinned(series.times, series.values), color=FAINT, linewidth=0.6, alpha=0.75, label=label, zorder=1)
+    width = 0.6 if series.counted.any() else 1.2  # alone, when nothing counts yet
+    axes.plot(*thinned(series.times, series.values), color=FAINT, linewidth=width, alpha=0.8, label=label, zorder=1)
 
 
 def _running(axes: Axes, k: int, series: Series, label: str) -> None:
@@ -178,7 +179,7 @@ def _finish(run: Run, axes: Axes, label: str) -> None:
     axes.set_ylabel(label)
     handles, _ = axes.get_legend_handles_labels()
     if len(handles) > 1:
-        legend(axes, len(handles) if len(handles) < 4 else 4)
+        legend(axes)
 
 
 def _equilibration(run: Run, axes: Axes) -> None:
@@ -206,7 +207,7 @@ def _limits(axes: Axes, shown: list[Series], *values: float | None) -> None:
     outside = sum(int(np.count_nonzero((values < low - room) | (values > high + room))) for values in seen)
     if outside:
         axes.annotate(
-            f"{outside} outside", (1.0, 1.0), xycoords="axes fraction", ha="right", va="top", fontsize=7.5, color="#4a5560"
+            f"{outside} outside", (1.0, 1.0), xycoords="axes fraction", ha="right", va="top", fontsize=8.5, color="#4a5560"
         )
 
 

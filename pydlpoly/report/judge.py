@@ -1,7 +1,7 @@
 """Whether a run can be trusted, in words: one small function for each thing that is looked at.
 
-A deviation counts only when it is larger than its threshold and than chance allows with 99 % confidence: the errors are
-those of blocks (``pydlpoly.tradeoff.statistics``). Each function's text says where its threshold comes from.
+A deviation counts only when it is larger than its threshold and than what chance explains as seldom as three standard
+errors (``pydlpoly.formats.blocks.beyond_chance``). Each function's text says where its threshold comes from.
 """
 
 from __future__ import annotations
@@ -14,10 +14,11 @@ from typing import Literal
 
 import numpy as np
 
+from pydlpoly.formats.blocks import three_of
 from pydlpoly.report.collect import Run
-from pydlpoly.report.series import LEAST_SAMPLES, Average, Series, all_series, change_and_reach
+from pydlpoly.report.series import LEAST_SAMPLES, Average, Series, all_series, change_and_chance
 from pydlpoly.temperatures import TOLERATED
-from pydlpoly.tradeoff.statistics import slope_and_error, student
+from pydlpoly.tradeoff.statistics import slope_and_error
 
 Level = Literal["warning", "note", "fine", "unknown"]
 
@@ -73,7 +74,7 @@ class Evidence:
         if log is None or name not in log.temperatures:
             return None
         value, error = log.temperatures[name]
-        return Average(value, error, LEAST_SAMPLES - 1.0, LEAST_SAMPLES)  # OUTPUT's errors are from 8 blocks or more
+        return Average(value, error, LEAST_SAMPLES, three_of(LEAST_SAMPLES - 1) * error)  # from 8 blocks or more
 
     @property
     def folder(self) -> str:
@@ -139,16 +140,18 @@ def kinetic_temperature(evidence: Evidence) -> list[Finding]:
     """More than 1 % and more than the error from the thermostat's temperature.
 
     Groot and Warren (J. Chem. Phys. 107, 4423 (1997)) judge timesteps by this rise; 1 % is the error that ``pydlpoly
-    tradeoff`` aims at unless told otherwise.
+    tradeoff`` aims at unless told otherwise. A mean that is off by four standard deviations of a single step is no chance,
+    however few samples there are.
     """
     target, average = evidence.run.target_temperature, evidence.kinetic()
     if target is None:
         return [_unknown("Kinetic temperature", "there is no thermostat with a fixed temperature to compare with")]
-    if average is None or not average.known:
-        return [_unknown("Kinetic temperature", "there are too few samples after the equilibration")]
+    if average is None:
+        return [_unknown("Kinetic temperature", "there are no samples after the equilibration")]
     off = average.value / target - 1.0
     numbers = f"{_mean(evidence, average, 'temperature')}, thermostat {evidence.number(target, 'temperature')}"
-    if abs(off) <= KINETIC or abs(average.value - target) <= average.reach():
+    chance = min(average.chance, _largest_fluctuation(evidence.run))
+    if abs(off) <= KINETIC or abs(average.value - target) <= chance:
         return [Finding("fine", "Kinetic temperature", f"kinetic temperature within 1 % or its error ({numbers})")]
     text = f"kinetic temperature {_percent(off)} ({numbers})"
     cause, advice = _cause(evidence, "temperature", average.value - target)
@@ -167,14 +170,14 @@ def configurational_temperature(evidence: Evidence) -> list[Finding]:
         reference, name = kinetic.value, "the kinetic one"
     if average is None:
         return [_unknown("Configurational temperature", "it was not recorded", "`diagnostics_frequency`")]
-    if reference is None or not reference > 0.0 or not average.known:
+    if reference is None or not reference > 0.0 or not math.isfinite(average.chance):
         return [_unknown("Configurational temperature", "there are too few samples after the equilibration")]
     off = average.value / reference - 1.0
     numbers = f"{_mean(evidence, average, 'temperature')}, {name} {evidence.number(reference, 'temperature')}"
-    reach = average.reach()
+    chance = average.chance
     if evidence.run.target_temperature is None and kinetic is not None:
-        reach = math.hypot(reach, kinetic.reach())
-    if abs(off) <= TOLERATED or abs(average.value - reference) <= reach:
+        chance = math.hypot(chance, kinetic.chance)
+    if abs(off) <= TOLERATED or abs(average.value - reference) <= chance:
         text = f"configurational temperature within 2 % or its error ({numbers})"
         return [Finding("fine", "Configurational temperature", text)]
     cause, advice = _cause(evidence, "configurational_temperature", average.value - reference)
@@ -221,13 +224,14 @@ def energy_drift(evidence: Evidence) -> list[Finding]:
     if len(times) < LEAST_SAMPLES:
         return [_unknown("Energy drift", "there are too few samples after the equilibration")]
     slope, error, freedom = slope_and_error(times, values)
+    chance = three_of(int(freedom)) * error
     kinetic = evidence.kinetic()
     temperature = kinetic.value if kinetic is not None else 0.0
     thermal = temperature * scene.units.boltzmann / scene.units.factor
     span = float(times[-1] - times[0])
     change = slope * span / thermal if thermal > 0.0 else math.inf
     text = f"the total energy changes by {change:.2g} k_B T per bead over {evidence.number(span, 'time')}"
-    if abs(change) > ENERGY and abs(slope) > float(student(freedom, 0.99)) * error:
+    if abs(change) > ENERGY and abs(slope) > chance:
         advice = f"a shorter `timestep`, or laws that end smoothly (`vdw_force_shift`); `pydlpoly tradeoff {evidence.folder}`"
         return [Finding("warning", "Energy drift", text, advice)]
     return [Finding("fine", "Energy drift", text)]
@@ -244,8 +248,8 @@ def pressure(evidence: Evidence) -> list[Finding]:
         return [_unknown("Pressure", "there are too few samples after the equilibration")]
     size = max(abs(average.value), _kinetic_pressure(evidence))
     mean = _mean(evidence, average, "pressure")
-    change, reach = change_and_reach(series)
-    if abs(change) > max(reach, PRESSURE_CHANGE * size):
+    change, chance = change_and_chance(series)
+    if abs(change) > max(chance, PRESSURE_CHANGE * size):
         text = f"the pressure still changes, by {evidence.number(change, 'pressure')} between the halves ({mean})"
         return [Finding("warning", "Pressure", text, "a longer `time_equilibration`")]
     if average.error > PRESSURE_ERROR * size:
@@ -257,10 +261,10 @@ def pressure(evidence: Evidence) -> list[Finding]:
 def enough_samples(evidence: Evidence) -> list[Finding]:
     """Fewer than 8 samples, or samples so much alike that fewer than 4 independent ones remain: errors mean little.
 
-    8 is the number of blocks that Flyvbjerg and Petersen's blocking needs (``tradeoff.statistics.block_error``).
+    8 is the number of blocks that an error is made of where there are enough (``pydlpoly.formats.blocks``).
     """
     run = evidence.run
-    if run.statistics is None or not run.has_output:
+    if run.statistics is None or not run.has_output or not run.done_steps:
         return []
     series = evidence.series.get("pressure")
     count = int(series.counted.sum()) if series is not None else 0
@@ -380,8 +384,8 @@ def _cause(evidence: Evidence, name: str, off: float) -> tuple[str, str]:
     """The likely cause of a temperature that is off, and what to do."""
     run, scene = evidence.run, evidence.run.scene
     series = evidence.series.get(name)
-    change, reach = change_and_reach(series) if series is not None else (0.0, math.inf)
-    if abs(change) > reach and abs(change) > 0.5 * abs(off):
+    change, chance = change_and_chance(series) if series is not None else (0.0, math.inf)
+    if abs(change) > chance and abs(change) > 0.5 * abs(off):
         return "it still changes, the run is not equilibrated", "a longer `time_equilibration`"
     if scene is not None and scene.external:
         return "an external field heats the beads faster than they lose heat, or the timestep is too long", _shorter(run)
@@ -394,6 +398,14 @@ def _cause(evidence: Evidence, name: str, off: float) -> tuple[str, str]:
 def _shorter(run: Run) -> str:
     folder = shlex.quote(str(run.folder))
     return f"`pydlpoly tradeoff {folder}` finds integrator and timestep that are accurate enough"
+
+
+def _largest_fluctuation(run: Run) -> float:
+    """Four standard deviations of a single kinetic temperature, T √(2/g); infinite where g is not known."""
+    scene, target = run.scene, run.target_temperature
+    if scene is None or target is None or scene.degrees_of_freedom <= 0:
+        return math.inf
+    return 4.0 * target * math.sqrt(2.0 / scene.degrees_of_freedom)
 
 
 def _kinetic_pressure(evidence: Evidence) -> float:

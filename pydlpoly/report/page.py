@@ -10,13 +10,15 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from pydlpoly import __version__
 from pydlpoly.formats.atomic import replace_file
 from pydlpoly.report.collect import Run, collect
 from pydlpoly.report.figures import FIGURES, draw
 from pydlpoly.report.judge import Evidence, Finding, judge, with_error
 from pydlpoly.report.speed import steps_a_second
-from pydlpoly.report.style import Drawing, Table, check_packages, svg
+from pydlpoly.report.style import Drawing, Table, axis_label, check_packages, svg
 
 if TYPE_CHECKING:
     from markupsafe import Markup
@@ -163,20 +165,23 @@ def _facts(run: Run) -> list[tuple[str, str]]:
     if run.log is not None and run.log.loop_seconds is not None:
         facts.append(("time for the steps", f"{run.log.loop_seconds:.4g} s"))
     if run.log is not None and run.log.threads is not None:
-        facts.append(("threads, seed", f"{run.log.threads}, {run.log.seed}"))
+        facts += [("threads", str(run.log.threads)), ("seed", str(run.log.seed))]
+    facts.append(("units", "reduced, k_B = 1" if units.reduced else f"{units.energy}, K, katm, ps, Å".removeprefix(", ")))
     return facts
 
 
-def _averages(run: Run) -> list[tuple[str, str, str, int]]:
-    """Rows of quantity, mean with error, unit and number of samples."""
+def _averages(run: Run) -> list[tuple[str, str, int]]:
+    """Rows of quantity with its unit, mean with error, and number of samples."""
     evidence, rows = Evidence(run), []
     for name, label, kind in _AVERAGES:
         average = evidence.average(name)
         series = evidence.series.get(name)
         if average is None or series is None or not series.values.any():
             continue
+        if name == "volume" and not np.ptp(series.values) > 0.0:
+            continue
         unit = run.units.of(kind) + (" per bead" if kind == "energy" and run.beads else "")
-        rows.append((label, with_error(average), unit.strip(), average.samples))
+        rows.append((axis_label(label, unit.strip()), with_error(average), average.samples))
     return rows
 
 

@@ -9,40 +9,54 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pydlpoly.errors import InputError, suggest
+from pydlpoly.formats.blocks import beyond_chance, block_means, standard_error
 from pydlpoly.formats.diagnostics import COLUMNS
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.formats.statis import STATISTICS_NAMES
 from pydlpoly.report.collect import Run, Units
-from pydlpoly.tradeoff.statistics import mean_and_error, ratio_and_error, student
 
 LEAST_SAMPLES = 8
-"""Fewer samples have no error: ``block_error`` needs as many blocks."""
+"""From fewer samples nothing is concluded, as in the run's own warnings (``pydlpoly.temperatures``)."""
 _RUNNING_POINTS = 60
 
 
 @dataclass(frozen=True)
 class Average:
-    """A mean with its standard error from blocks.
+    """A mean with its standard error, from blocks as in OUTPUT (``pydlpoly.formats.blocks``).
 
     Attributes:
-        value, error: not a number where there are no samples, or too few for an error.
-        freedom: degrees of freedom of the error.
+        value, error: not a number where there are no samples, or fewer than 4 for an error.
         samples: how many there are.
+        chance: what the mean exceeds by chance as seldom as three standard errors; infinite for fewer than 8 samples.
     """
 
     value: float
     error: float
-    freedom: float
     samples: int
+    chance: float = math.inf
 
     @property
     def known(self) -> bool:
         """Whether the error is known."""
         return math.isfinite(self.error)
 
-    def reach(self, confidence: float = 0.99) -> float:
-        """Return how far the mean may be off at this confidence; infinite when the error is not known."""
-        return float(student(max(self.freedom, 1.0), confidence)) * self.error if self.known else math.inf
+
+def average_of(values: FloatArray, weights: FloatArray | None = None) -> Average:
+    """Return the mean of samples, or Σ values·weights/Σ weights; what is not finite is left out."""
+    finite = np.isfinite(values) if weights is None else np.isfinite(values) & np.isfinite(weights)
+    values = values[finite]
+    count = len(values)
+    if weights is None:
+        value, blocks = float(np.mean(values)) if count else math.nan, block_means(values)
+    else:
+        weights = weights[finite]
+        if not float(weights.sum()) > 0.0:
+            return Average(math.nan, math.nan, 0)
+        value = float(np.sum(values * weights) / np.sum(weights))
+        # Linear in both sums: this series has the error of the ratio.
+        blocks = block_means((values - value) * weights) / float(np.mean(weights))
+    chance = beyond_chance(blocks) if count >= LEAST_SAMPLES else math.inf
+    return Average(value, standard_error(blocks), count, chance)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,20 +93,8 @@ class Series:
         return times[ends - 1], np.array([one.value for one in means]), np.array([one.error for one in means])
 
     def _average(self, count: int) -> Average:
-        values = self.values[self.counted][:count]
         weights = None if self.weights is None else self.weights[self.counted][:count]
-        finite = np.isfinite(values) if weights is None else np.isfinite(values) & np.isfinite(weights)
-        values = values[finite]
-        if not len(values):
-            return Average(math.nan, math.nan, 1.0, 0)
-        if weights is None:
-            value, error, freedom = mean_and_error(values)
-        else:
-            weights = weights[finite]
-            if not float(weights.sum()) > 0.0:
-                return Average(math.nan, math.nan, 1.0, 0)
-            value, error, freedom = ratio_and_error(values * weights, weights)
-        return Average(value, error if len(values) >= LEAST_SAMPLES else math.nan, freedom, len(values))
+        return average_of(self.values[self.counted][:count], weights)
 
 
 def all_series(run: Run) -> dict[str, Series]:
@@ -154,18 +156,10 @@ def _extra_label(name: str) -> str:
     return name.replace("_", " ")
 
 
-def change_and_reach(series: Series) -> tuple[float, float]:
-    """Return the change of a quantity over the samples that count, and how far chance reaches with 99 % confidence.
-
-    The difference of the means of the last and of the first half, with the errors of both (Welch).
-    """
-    from pydlpoly.tradeoff.statistics import combine
-
+def change_and_chance(series: Series) -> tuple[float, float]:
+    """Return by how much the halves of the samples that count differ, late minus early, and what chance allows."""
     values = series.values[series.counted]
     values = values[np.isfinite(values)]
     half = len(values) // 2
-    if half < LEAST_SAMPLES:
-        return 0.0, math.inf
-    early, late = mean_and_error(values[:half]), mean_and_error(values[-half:])
-    error, freedom = combine((early[1], early[2]), (late[1], late[2]))
-    return late[0] - early[0], float(student(freedom, 0.99)) * error
+    early, late = average_of(values[:half]), average_of(values[-half:] if half else values[:0])
+    return late.value - early.value, math.hypot(early.chance, late.chance)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pydlpoly.report.collect import Run
-from pydlpoly.report.style import HEIGHT, Drawing, Table, axis_label, line, new_axes, table_of
+from pydlpoly.report.style import Drawing, Table, axis_label, line, new_axes, table_of
 
 _BAR, _EDGE = "#56B4E9", "#0b3c5d"
 
@@ -16,7 +16,7 @@ def speed(run: Run) -> Drawing | None:
     if rates is None:
         return None
     times, rate = rates
-    figure, (axes,) = new_axes(0.8 * HEIGHT)
+    figure, (axes,) = new_axes()
     line(axes, 0, times, rate, "steps a second")
     axes.set_ylim(0.0, 1.15 * float(rate.max()))
     axes.set_xlabel(axis_label("time", run.units.of("time")))
@@ -25,7 +25,7 @@ def speed(run: Run) -> Drawing | None:
     if run.beads:
         words += f" At {run.beads} beads the mean is {_mean(run) * run.beads / 1e6:.3g} million bead-steps a second."
     head = (axis_label("time", run.units.of("time")), "steps a second")
-    return Drawing("speed", "Speed", figure, words, table_of(head, [times, rate]))
+    return Drawing("speed", "Steps a second", figure, words, table_of(head, [times, rate]))
 
 
 def time_spent(run: Run) -> Drawing | None:
@@ -35,12 +35,12 @@ def time_spent(run: Run) -> Drawing | None:
         return None
     names, seconds = list(parts), np.array(list(parts.values()))
     total = float(seconds.sum())
-    figure, (axes,) = new_axes(0.55 + 0.27 * len(names))
+    figure, (axes,) = new_axes(max(1.6, 0.55 + 0.27 * len(names)))
     places = np.arange(len(names))
     axes.barh(places, seconds, color=_BAR, edgecolor=_EDGE, linewidth=0.8, height=0.7)
     texts = [f"{value:.3g} s, {100.0 * value / total:.0f} %" for value in seconds.tolist()]
     for place, value, text in zip(places.tolist(), seconds.tolist(), texts, strict=True):
-        axes.annotate(text, (value, place), xytext=(4, 0), textcoords="offset points", va="center", fontsize=8)
+        axes.annotate(text, (value, place), xytext=(4, 0), textcoords="offset points", va="center", fontsize=9)
     axes.set_xlim(0.0, 1.45 * float(seconds.max()))
     axes.set_yticks(places, names)
     axes.invert_yaxis()

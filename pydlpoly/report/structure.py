@@ -12,9 +12,9 @@ from pydlpoly.errors import InputError
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.report.collect import Run
 from pydlpoly.report.series import all_series
-from pydlpoly.report.style import HEIGHT, Drawing, axis_label, legend, line, new_axes, table_of
+from pydlpoly.report.style import HEIGHT, STYLES, Drawing, axis_label, legend, line, new_axes, table_of
 
-_IN_ONE = 4  # curves that are told apart without effort
+_IN_ONE = STYLES  # curves in one axes
 _MOST_CURVES = 12
 _BEADS_COUNTED = 200_000  # in all frames together, when g(r) has to be computed here
 _Curves = list[tuple[str, FloatArray, FloatArray]]
@@ -111,7 +111,7 @@ def _curves(
     reference: float | None = None,
     errors: Sequence[FloatArray] = (),
 ) -> Drawing:
-    """Curves against one x, at most four in one axes."""
+    """Curves against one x, at most six in one axes."""
     if len(curves) > _MOST_CURVES:
         words += f" The first {_MOST_CURVES} of {len(curves)} are drawn."
         curves = curves[:_MOST_CURVES]
@@ -125,7 +125,7 @@ def _curves(
         if reference is not None:
             axes.axhline(reference, color="black", linewidth=0.6, zorder=1)
         axes.set_ylabel(y_label)
-        legend(axes, len(panel))
+        legend(axes)
     rows[-1].set_xlabel(x_label)
     same = all(np.array_equal(x, curves[0][1]) for _, x, _ in curves)
     head = (x_label, *(label for label, _, _ in curves))

@@ -19,9 +19,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH = 4.8  # inches: in a narrow window, letters keep their size
+WIDTH = 4.5  # inches: in a narrow window, letters keep their size
 HEIGHT = 3.1
 _POINTS = 400
+_LETTERS = 50  # of a legend in one row
 _COLOURS = 96  # of a picture of beads
 # Okabe and Ito's palette without its light colours, from dark to less dark and back.
 _LINES = (
@@ -82,10 +83,10 @@ def look() -> Iterator[None]:
 
     settings = {
         "font.family": "sans-serif",
-        "font.size": 9.0,
-        "axes.labelsize": 9.0,
-        "axes.titlesize": 9.5,
-        "axes.titlelocation": "left",
+        "font.size": 10.0,
+        "axes.labelsize": 10.0,
+        "xtick.labelsize": 9.5,
+        "ytick.labelsize": 9.5,
         "axes.spines.top": False,
         "axes.spines.right": False,
         "axes.linewidth": 0.7,
@@ -95,7 +96,7 @@ def look() -> Iterator[None]:
         "grid.linewidth": 0.6,
         "axes.formatter.useoffset": False,
         "axes.formatter.limits": (-4, 5),
-        "legend.fontsize": 8.5,
+        "legend.fontsize": 9.5,
         "legend.frameon": False,
         "legend.handlelength": 2.8,
         "lines.linewidth": 1.6,
@@ -126,10 +127,17 @@ def line(axes: Axes, k: int, x: FloatArray, y: FloatArray, label: str) -> None:
     axes.plot(x, y, color=colour, linestyle=dashes, marker=marker, markevery=(start, every), label=label)
 
 
-def legend(axes: Axes, entries: int) -> None:
-    """Put the legend above the axes, where it hides nothing."""
-    columns = 1 if entries == 1 else 2 if entries in (2, 4) else 3
+def legend(axes: Axes) -> None:
+    """Put the legend above the axes, where it hides nothing, in as many columns as have room."""
+    _, labels = axes.get_legend_handles_labels()
+    columns = max((n for n in range(1, 1 + len(labels)) if _letters(labels, n) <= _LETTERS), default=1)
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2, columnspacing=1.2)
+
+
+def _letters(labels: Sequence[str], columns: int) -> int:
+    """Letters in a row of a legend of so many columns, a handle being as wide as six."""
+    sizes = [len(label) for label in labels]
+    return sum(6 + int(part.max()) for part in np.array_split(sizes, columns))  # as matplotlib fills columns
 
 
 def thinned(x: FloatArray, y: FloatArray, most: int = _POINTS) -> tuple[FloatArray, FloatArray]:
