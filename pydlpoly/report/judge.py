@@ -106,7 +106,7 @@ def anything_there(evidence: Evidence) -> list[Finding]:
     if run.statistics is None and not any(problem.file == "STATIS" for problem in run.problems):
         return [_unknown("Statistics", "there is no STATIS: no averages, no pressure, no energies", "`stats_frequency`")]
     if run.statistics is not None and not len(run.statistics):
-        return [_unknown("Statistics", "STATIS holds no record")]
+        return [Finding("warning", "Statistics", "STATIS holds no record", "was the run killed at its start?")]
     return []
 
 

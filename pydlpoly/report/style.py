@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 WIDTH = 4.5  # inches: in a narrow window, letters keep their size
 HEIGHT = 3.1
 _POINTS = 400
-_LETTERS = 50  # of a legend in one row
+_LETTERS = 55  # of a legend in one row
 _COLOURS = 96  # of a picture of beads
 # Okabe and Ito's palette without its light colours, from dark to less dark and back.
 _LINES = (
@@ -135,9 +135,9 @@ def legend(axes: Axes) -> None:
 
 
 def _letters(labels: Sequence[str], columns: int) -> int:
-    """Letters in a row of a legend of so many columns, a handle being as wide as six."""
+    """Letters in a row of a legend of so many columns, a handle being as wide as nine."""
     sizes = [len(label) for label in labels]
-    return sum(6 + int(part.max()) for part in np.array_split(sizes, columns))  # as matplotlib fills columns
+    return sum(9 + int(part.max()) for part in np.array_split(sizes, columns))  # as matplotlib fills columns
 
 
 def thinned(x: FloatArray, y: FloatArray, most: int = _POINTS) -> tuple[FloatArray, FloatArray]:
