@@ -1,4 +1,4 @@
-"""The command line: ``pydlpoly run | check | explain | convert | build | bench | tradeoff | analyse``.
+"""The command line: ``pydlpoly run | check | explain | convert | build | bench | tradeoff | analyse | report | plot``.
 
 Exit codes: 0 done, 1 the input was refused, 2 wrong usage, 3 the run stopped being physical, 130 interrupted by Ctrl-C
 or SIGTERM (after writing the checkpoint). ``tradeoff`` has two more: 4 its budget was too short to recommend anything,
@@ -27,6 +27,7 @@ from pydlpoly.engines.native import NativeEngine
 from pydlpoly.errors import InputError, PydlpolyError, RunError, suggest
 from pydlpoly.formats.atomic import replace_file
 from pydlpoly.formats.control import read_control, write_control
+from pydlpoly.report.cli import plot_command, report_command
 from pydlpoly.runner import RunResult, run_scene
 from pydlpoly.scene import Scene, load
 from pydlpoly.scene.model import Precision
@@ -248,6 +249,8 @@ def tradeoff(
 app.command()(build)
 app.command()(bench)
 app.command("analyse")(analyse_command)
+app.command("report")(report_command)
+app.command("plot")(plot_command)
 
 
 def example_names() -> list[str]:

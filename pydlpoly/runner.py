@@ -19,6 +19,7 @@ from typing import Protocol
 
 from pydlpoly.bin_reporter import bin_reporters
 from pydlpoly.callbacks import CallbackFunction
+from pydlpoly.correlations import StressCorrelations
 from pydlpoly.errors import InputError, RunError
 from pydlpoly.formats.output import RunSummary
 from pydlpoly.interrupts import deferred_signals
@@ -34,9 +35,23 @@ from pydlpoly.sampling import DensityReporter, DisplacementReporter, VelocityRep
 from pydlpoly.scene.beads_state import carried_names
 from pydlpoly.scene.model import Scene
 from pydlpoly.simulation import Reporter, Simulation
+from pydlpoly.stress_profile import StressProfile
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)  # batch systems announce the end of a job with the second
 _SCREEN = "SCREEN"
+_PARTS = {  # of the loop over steps, in the words of OUTPUT
+    "engine": "of which motion and forces",
+    OutputReporter.__name__: "of which OUTPUT, averages",
+    StatisticsReporter.__name__: "of which STATIS",
+    DiagnosticsReporter.__name__: "of which DIAGNOSTICS",
+    TrajectoryReporter.__name__: "of which HISTORY",
+    DensityReporter.__name__: "of which ZDNDAT",
+    VelocityReporter.__name__: "of which VAFDAT",
+    DisplacementReporter.__name__: "of which MSDTMP",
+    StressProfile.__name__: "of which STRPRF",
+    StressCorrelations.__name__: "of which COR",
+    CheckpointReporter.__name__: "of which checkpoints",
+}
 
 
 class _File(Reporter, Protocol):
@@ -144,7 +159,7 @@ def _run(
         pass  # how far the run got says whether it is done
     except RunError as error:
         failure = error
-    timings = {"set-up": set_up, "steps": clock.perf_counter() - loop}
+    timings = {"set-up": set_up, "steps": clock.perf_counter() - loop, **_parts_of_loop(simulation)}
     warnings = [note.text for note in simulation.scene.notes if note.kind == "warning"]
     if failure is not None:
         failure = RunError(f"{failure}; {_last_whole_state(keeper)}")
@@ -155,8 +170,15 @@ def _run(
     if interrupted:
         warnings.append(f"the run was interrupted at step {simulation.step} of {last}")
     if keeper.written_step != simulation.step:
+        begin = clock.perf_counter()
         keeper.report(simulation)
+        timings["last checkpoint"] = clock.perf_counter() - begin
     return log.finish(simulation, warnings, timings), interrupted
+
+
+def _parts_of_loop(simulation: Simulation) -> dict[str, float]:
+    """Return seconds of the loop by part; what several reporters look at counts for the first of them."""
+    return {_PARTS.get(name, f"of which {name}"): seconds for name, seconds in simulation.seconds.items()}
 
 
 def _last_whole_state(keeper: CheckpointReporter) -> str:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import secrets
 import time as clock
+from collections import Counter
 import warnings
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
@@ -168,6 +169,10 @@ class Simulation:
         cell_width: link cells of at least this width (Å) instead of one cutoff. Results do not depend on it.
         precision: "double", "mixed" or "reference" in place of the scene's.
 
+    Attributes:
+        seconds: wall-clock seconds that ``run`` has spent so far: "engine" for the steps themselves, and those of each
+            reporter under the name of its class.
+
     Raises:
         SceneError: the scene cannot be run.
     """
@@ -203,6 +208,7 @@ class Simulation:
         self._start_amounts = self._amounts()
         self._configurational: tuple[int, tuple[float, float]] | None = None  # with its step
         self._rate = 0.0
+        self.seconds: Counter[str] = Counter()
         self._interrupted = False
         self._reporter_state: dict[str, NDArray[Any]] = {}
         self._callbacks: list[Callback] = []
@@ -263,7 +269,9 @@ class Simulation:
             self._call_back()
             for k, (reporter, step) in enumerate(due):
                 if step == self.step:
+                    begin = clock.perf_counter()
                     reporter.report(self)
+                    self.seconds[type(reporter).__name__] += clock.perf_counter() - begin
                     due[k] = reporter, self._next_step(reporter)
             if show is not None:
                 show()
@@ -332,6 +340,7 @@ class Simulation:
         begin = clock.perf_counter()
         self._engine.run(steps)
         elapsed = max(clock.perf_counter() - begin, 1e-9)
+        self.seconds["engine"] += elapsed
         # A chunk that a report cut short, or that the machine held up, says little about the next one.
         weight = 1.0 if self._rate == 0.0 else elapsed / (elapsed + _SECONDS_PER_CHUNK)
         self._rate += weight * (steps / elapsed - self._rate)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterable
 from itertools import islice
-from typing import IO, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,9 +21,9 @@ _CHUNK = 2_000  # beads whose lines are held at the same time
 class Lines:
     """Lines of a file with their numbers, and room to give some back."""
 
-    def __init__(self, handle: IO[str], path: str) -> None:
+    def __init__(self, handle: Iterable[str], path: str) -> None:
         self.path, self.number = path, 0
-        self._handle = handle
+        self._handle = iter(handle)
         self._returned: list[str] = []
         self._warned: set[str] = set()
 
@@ -48,7 +49,7 @@ class Lines:
         """Say something about the file at the present line, once."""
         if message not in self._warned:
             self._warned.add(message)
-            warnings.warn(InputWarning(f"{self.path}:{self.number}: {message.format(value)}"), stacklevel=4)
+            warnings.warn(InputWarning(f"{self.path}:{self.number}: {message.format(value)}"), stacklevel=5)
 
 
 class Beads(NamedTuple):
