@@ -32,7 +32,7 @@ def run(example: Example) -> Simulation:
         for name, text in example.texts().items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
         scene = load(folder)
-    simulation = Simulation(scene, seed=scene.run.seed if scene.run.seed is not None else 1)
+    simulation = Simulation(scene, seed=scene.run.seed if scene.run.seed is not None else 1, threads=1)
     simulation.run(example.picture.get("steps", scene.run.steps))
     return simulation
 
@@ -47,6 +47,7 @@ def draw(example: Example, simulation: Simulation) -> bytes:
 
     scene, state = simulation.scene, simulation.state
     picture = example.picture
+    by_velocity = picture.get("colour", "species") == "vx"
     depth = "xyz".index(picture.get("along", "y"))
     across, upwards = (axis for axis in range(3) if axis != depth)
     hidden = [scene.species.index(name) for name in picture.get("hide", [])]
@@ -55,15 +56,15 @@ def draw(example: Example, simulation: Simulation) -> bytes:
     places = state.positions[order]
     edges = np.linalg.norm(simulation.cell, axis=1)
     spacing = (np.prod(edges) / scene.bead_count) ** (1.0 / 3.0)
-    if picture.get("colour", "species") == "vx":
-        pale = np.zeros_like(pale)  # pale means slow here
+    if by_velocity:
         scale = Normalize(-2.0, 2.0)
         colours = colormaps["coolwarm"](scale(state.velocities[order, 0]))[:, :3]
     else:
         palette = np.array([to_rgb(colour) for colour in COLOURS])
         colours = palette[scene.beads.species[order] % len(palette)]
     deepest = edges[depth] if hidden else DEEP * spacing
-    pale = PALE * np.clip((0.5 * edges[depth] - places[:, depth]) / deepest, 0.0, 1.0)[:, None]
+    fade = 0.0 if by_velocity else PALE  # of velocities, pale ones are slow
+    pale = fade * np.clip((0.5 * edges[depth] - places[:, depth]) / deepest, 0.0, 1.0)[:, None]
 
     height = min(WIDTH * edges[upwards] / edges[across], HEIGHT)
     figure = Figure((WIDTH, height + 0.35), dpi=DOTS)
@@ -86,7 +87,7 @@ def draw(example: Example, simulation: Simulation) -> bytes:
     axes.set(xticks=[], yticks=[])
     for spine in axes.spines.values():
         spine.set_color("#888888")
-    if picture.get("colour", "species") == "vx":
+    if by_velocity:
         labels = [("v along x: -2", colormaps["coolwarm"](0.0)), ("0", colormaps["coolwarm"](0.5))]
         labels.append(("2", colormaps["coolwarm"](1.0)))
     else:

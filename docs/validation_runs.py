@@ -82,7 +82,7 @@ INSERTIONS = 20000
 
 def water() -> Found:
     """Pressure, energy, g(r) and, by Widom's insertions, chemical potentials: 400 τ of 3000 beads."""
-    simulation = Simulation(fluid(25.0), seed=41)
+    simulation = Simulation(fluid(25.0), seed=41, threads=1)
     simulation.run(2000)
     generator = np.random.default_rng(42)
     rdf = RadialDistribution(bin_width=0.05, reach=1.5)
@@ -152,7 +152,7 @@ def equation_of_state() -> Found:
 
 def mean_pressure(scene: Scene, thermal_energy: float) -> tuple[float, float]:
     """Return the pressure after 20 τ to equilibrate."""
-    simulation = Simulation(scene, seed=43)
+    simulation = Simulation(scene, seed=43, threads=1)
     simulation.run(2000)
     values = []
     for _ in range(1500):
@@ -175,7 +175,7 @@ def diffusion() -> Found:
     }
     found = {}
     for key, scene in scenes.items():
-        simulation = Simulation(scene, seed=44)
+        simulation = Simulation(scene, seed=44, threads=1)
         every = round(0.2 / scene.dynamics.timestep)
         simulation.run(100 * every)
         moved = MeanSquareDisplacement(longest=20.0 if "bare" in key else 10.0, fit=(5.0, 10.0))
@@ -215,7 +215,7 @@ def charges() -> Found:
 
 def electrolyte() -> Found:
     """Electrostatic energy of an ion and g(r) of opposite ions, 240 τ of 3000 beads."""
-    simulation = Simulation(test_electrolyte.electrolyte(), seed=45)
+    simulation = Simulation(test_electrolyte.electrolyte(), seed=45, threads=1)
     simulation.run(500)
     energy, rdf = [], RadialDistribution([("P", "M")], bin_width=0.1, reach=1.5)
     for frame in frames(simulation, 12000, 20):
@@ -231,7 +231,7 @@ def electrolyte() -> Found:
 
 def lipids() -> Found:
     """Averages over 10000 steps of DL_MESO's lipids after 20000; errors are the fluctuations, as DL_MESO gives them."""
-    simulation = Simulation(load(ROOT.parent / "shared" / "inputs" / "dl_meso" / "lipid"), seed=11)
+    simulation = Simulation(load(ROOT.parent / "shared" / "inputs" / "dl_meso" / "lipid"), seed=11, threads=1)
     simulation.run(20000)
     rows = []
     for _ in range(400):
