@@ -19,6 +19,7 @@ from pydlpoly.bench.scenes import cube, single_beads
 from pydlpoly.formats.history_reader import Frame
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.model import Scene
+from pydlpoly.stress_profile import StressProfile
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.append(str(ROOT))  # last: an installed pydlpoly goes before the source folder
@@ -196,7 +197,27 @@ def demixing() -> Found:
     for excess in test_phase_separation.EXCESS:
         phi = test_phase_separation.coexisting(excess)
         found.append(float(np.log((1.0 - phi) / phi) / (1.0 - 2.0 * phi) / excess))
-    return {"chi": (float(np.mean(found)), float(np.std(found, ddof=1) / np.sqrt(len(found))))}
+    chi = float(np.mean(found)), float(np.std(found, ddof=1) / np.sqrt(len(found)))
+    return {"chi": chi, "tension": tension()}
+
+
+def tension() -> tuple[float, float]:
+    """Return the surface tension at a_AB = 40 from the stress in layers, 800 τ of 2400 beads."""
+    edges = np.array([7.0, 7.0, 16.4])
+    places = (np.random.default_rng(8).random((2400, 3)) - 0.5) * edges
+    places = places[np.argsort(np.abs(places[:, 2]))]  # one species in the middle
+    pairs = {
+        pair: ("dpd", 40.0 if pair == ("A", "B") else 25.0, 1.0, 4.5) for pair in (("A", "A"), ("A", "B"), ("B", "B"))
+    }
+    control = {"ensemble_dpd_order": "middle", "timestep": "0.04 dpd_t"}
+    scene = single_beads("two", {"A": 1200, "B": 1200}, pairs, np.diag(edges), positions=places, control=control)
+    simulation = Simulation(scene, seed=9, threads=1)
+    simulation.run(1000)
+    profile = StressProfile(simulation, layers=41, every=10)
+    simulation.reporters.append(profile)
+    simulation.run(20000)
+    found = profile.surface_tension()
+    return float(found.value), float(found.error)
 
 
 # -- Charges ----------------------------------------------------------------------------------------------------------
@@ -237,7 +258,9 @@ def lipids() -> Found:
     for _ in range(400):
         simulation.run(25)
         seen = simulation.observe()
-        energies = [seen.energy[name] / simulation.scene.bead_count for name in test_dl_meso.PUBLISHED if name in seen.energy]
+        energies = [
+            seen.energy[name] / simulation.scene.bead_count for name in test_dl_meso.PUBLISHED if name in seen.energy
+        ]
         rows.append([seen.temperature, *energies, seen.pressure])
     table = np.array(rows)
     names = [f"lipid-{name}" for name in test_dl_meso.PUBLISHED]

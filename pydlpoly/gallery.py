@@ -114,7 +114,9 @@ def example_folder(name: str) -> Path:
 def examples(
     name: Annotated[str | None, typer.Argument(help="The example to copy; without it they are listed.")] = None,
     *,
-    everything: Annotated[bool, typer.Option("--all", help="Copy every example, each to a folder of its name.")] = False,
+    everything: Annotated[
+        bool, typer.Option("--all", help="Copy every example, each to a folder of its name.")
+    ] = False,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", help="Folder for the files (default: NAME; with --all the current one)."),
