@@ -14,11 +14,11 @@ from pathlib import Path
 
 import pydlpoly
 from pydlpoly import _core
-from pydlpoly.cli import example_folder, example_names
-from pydlpoly.formats.control import read_control
+from pydlpoly.formats.control import parse_control
 from pydlpoly.formats.diagnostics import COLUMNS
 from pydlpoly.formats.keywords import KEYWORDS, SYNONYMS, Keyword
 from pydlpoly.formats.statis import STATISTICS_NAMES
+from pydlpoly.gallery import gallery, relative_cost
 from pydlpoly.units import (
     AVOGADRO,
     BOLTZMANN,
@@ -199,9 +199,18 @@ def python_names() -> str:
 
 
 def examples() -> str:
-    """Return the shipped examples with the titles of their CONTROL files."""
-    rows = ([code(name), read_control(example_folder(name) / "CONTROL").title] for name in example_names())
-    return table(["name", "title"], rows)
+    """Return the shipped examples: a table, and the pictures there are."""
+    headers = ["name", "shows", "beads", "steps", "time", "files"]
+    rows, pictures = [], []
+    for one in gallery():
+        control = parse_control(one.texts()["CONTROL"])
+        steps = str(control.get("time_run").value)
+        files = f"recipe `{one.recipe}`" if one.recipe else "as they are"
+        rows.append([code(one.name), one.shows, str(one.beads), steps, relative_cost(one), files])
+        image = f"images/example-{one.name}.png"
+        if (DOCS / image).is_file():
+            pictures.append(f"\n## {one.name}\n\n{control.title}.\n\n![{one.name}: {one.shows}]({image})\n")
+    return table(headers, rows) + "".join(pictures)
 
 
 PARTS: dict[str, Callable[[], str]] = {

@@ -1,4 +1,5 @@
-"""The command line: ``pydlpoly run | check | explain | convert | build | bench | tradeoff | analyse | report | plot``.
+"""The command line: ``pydlpoly run | check | explain | convert | build | bench | tradeoff | analyse | report | plot |
+examples``.
 
 Exit codes: 0 done, 1 the input was refused, 2 wrong usage, 3 the run stopped being physical, 130 interrupted by Ctrl-C
 or SIGTERM (after writing the checkpoint). ``tradeoff`` has two more: 4 its budget was too short to recommend anything,
@@ -12,7 +13,6 @@ import shlex
 import sys
 from collections.abc import Mapping
 from dataclasses import replace
-from importlib import resources
 from pathlib import Path
 from typing import Annotated, NoReturn, cast, get_args
 
@@ -24,9 +24,12 @@ from pydlpoly.bench.cli import bench
 from pydlpoly.build.cli import build
 from pydlpoly.conversion import convert_folder
 from pydlpoly.engines.native import NativeEngine
-from pydlpoly.errors import InputError, PydlpolyError, RunError, suggest
+from pydlpoly.errors import InputError, PydlpolyError, RunError
 from pydlpoly.formats.atomic import replace_file
 from pydlpoly.formats.control import read_control, write_control
+from pydlpoly.gallery import example_folder as example_folder
+from pydlpoly.gallery import example_names as example_names
+from pydlpoly.gallery import examples
 from pydlpoly.report.cli import plot_command, report_command
 from pydlpoly.runner import RunResult, run_scene
 from pydlpoly.scene import Scene, load
@@ -251,20 +254,7 @@ app.command()(bench)
 app.command("analyse")(analyse_command)
 app.command("report")(report_command)
 app.command("plot")(plot_command)
-
-
-def example_names() -> list[str]:
-    """Return the names of the shipped examples."""
-    folder = resources.files("pydlpoly") / "examples"
-    return sorted(entry.name for entry in folder.iterdir() if (entry / "CONTROL").is_file())
-
-
-def example_folder(name: str) -> Path:
-    """Return the folder of a shipped example. Raises InputError for an unknown name, with the names there are."""
-    if name not in example_names():
-        known = ", ".join(example_names())
-        raise InputError(f"there is no such example; there are {known}{suggest(name, example_names())}", word=name)
-    return Path(str(resources.files("pydlpoly") / "examples" / name))
+app.command()(examples)
 
 
 def _scene(
