@@ -325,7 +325,7 @@ class OutputReporter:
             )
             if append:
                 self._writer.resume(simulation.step, __version__)
-            self._writer.text(scene.explain())
+            self._writer.text(simulation.explain())
             self._writer.text(f"seed {simulation.seed}, {simulation.threads} threads (results do not depend on these)")
         if not append:
             self._sample(simulation)

@@ -39,8 +39,14 @@ _BYTES_PER_BEAD = 200
 PLANS: list[Callable[[Scene], list[str]]] = []
 
 
-def explain(scene: Scene) -> str:
-    """Return the scene as text of at most 100 columns (more only where a file's name is longer)."""
+def explain(scene: Scene, plan: Sequence[str] | None = None, notes: Sequence[str] = ()) -> str:
+    """Return the scene as text of at most 100 columns (more only where a file's name is longer).
+
+    Args:
+        scene: what is explained.
+        plan: how an engine computes it (default: as the native engine would).
+        notes: what that engine says about its results.
+    """
     sections = [
         ("Scene", _title(scene)),
         ("System", _system(scene)),
@@ -49,7 +55,7 @@ def explain(scene: Scene) -> str:
         ("Bonded terms", _bonded(scene)),
         ("Electrostatics", _electrostatics(scene)),
         ("Cutoffs and link cells", _cutoffs(scene)),
-        ("Plan", _plan(scene)),
+        ("Plan", [*(_plan(scene) if plan is None else plan), *notes]),
         ("Long-range correction", _long_range(scene)),
         ("External fields", _external(scene)),
         ("Run", _run(scene)),

@@ -147,13 +147,13 @@ def conservative_styles(scene: Scene, places: Places) -> list[SubStyle]:
             continue
         style, numbers = _style_of(pair, scene, places)
         lines.setdefault(style, []).append(f"pair_coeff {_types(pair)} {style} {numbers}")
-    reach = number(max((pair.cutoff for pair in scene.pairs if pair.law is not None), default=scene.cutoff))
-    arguments = {"nm/cut": reach, "lj/mdf": f"{reach} {reach}"}
+    reach = max((pair.cutoff for pair in scene.pairs if pair.law is not None), default=scene.cutoff)
     modified = {entry.style: entry.modify for entry in PAIR_STYLES.values() if entry is not None and entry.modify}
     styles = []
     for name, rows in lines.items():
-        first = number(0.5 * float(reach))  # of the tapers' own ends, which every pair says for itself
-        given = f"{first} {reach}" if name.endswith("/mdf") else arguments.get(name, reach)
+        given = "" if name == "harmonic/cut" else number(reach)
+        if name.endswith("/mdf"):  # where the taper begins comes first; every pair says it for itself
+            given = f"{number(0.5 * reach)} {given}"
         modify = (f"pair_modify pair {name} {modified[name]}",) if name in modified else ()
         styles.append(SubStyle(name, given, tuple(rows), modify))
     return styles
