@@ -50,9 +50,10 @@ def _dpd(given: Numbers, _cutoff: float) -> Numbers:
     return 0.5 * given[0] / given[1], given[1]
 
 
-def _wca(given: Numbers, _cutoff: float) -> Numbers:
-    offset, sigma = _wca_offset(given), abs(given[1])
-    return given[0], sigma, offset, _ROOT * sigma
+def _wca(given: Numbers, _cutoff: float) -> Numbers | None:
+    # With an offset the style shifts the energy by its value at another distance than the law's end.
+    sigma = abs(given[1])
+    return (given[0], sigma, 0.0, _ROOT * sigma) if given[2] == 0.0 else None
 
 
 def _wca_offset(given: Numbers) -> float:
