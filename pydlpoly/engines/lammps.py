@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pydlpoly.engines.lammps_team import JobTeam, ProcessTeam, Team, job_of, serve_job, switches_of
+from pydlpoly.engines.lammps_team import JobTeam, ProcessTeam, Team, enter_job, switches_of
 from pydlpoly.engines.lammps_translate import Translation, noise_seed, translate
 from pydlpoly.engines.native import NativeEngine, Totals, long_range_tail
 from pydlpoly.engines.protocol import EngineOptions
@@ -177,11 +177,8 @@ class LammpsEngine:
     """
 
     def __init__(self, scene: Scene, *, seed: int, threads: int, options: EngineOptions = EngineOptions()) -> None:
-        job = job_of()
-        if job is not None and job[0] > 0:
-            serve_job()
-        self._job = job
         switches = switches_of(options.accelerator)
+        self._job = job = enter_job(switches)
         ranks = _ranks(options, job)
         translate(scene, 1)  # refuses before anything is started
         self._scene, self._seed = scene, seed
@@ -212,7 +209,7 @@ class LammpsEngine:
         positions, velocities = system.positions, system.velocities
         path = self._team.folder / "beads.data"
         try:
-            with path.open("w", encoding="ascii", errors="replace") as file:
+            with path.open("w", encoding="utf-8") as file:
                 file.writelines(translation.data.pieces(positions, velocities))
         except OSError as error:
             raise RunError(f"the beads cannot be handed to LAMMPS: {path}: {error.strerror or error}") from error

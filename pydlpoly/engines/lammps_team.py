@@ -263,6 +263,20 @@ class JobTeam:
             shutil.rmtree(self.folder, ignore_errors=True)
 
 
+def enter_job(switches: list[str]) -> tuple[int, int] | None:
+    """Take this process's place in the MPI job around it: rank 0 returns, the others serve it and end here.
+
+    Returns:
+        Rank and number of ranks; None outside of jobs.
+    """
+    job = job_of()
+    if job is not None and job[0] > 0:
+        serve_job()
+    if job is not None:
+        JobTeam.front(switches)  # whatever happens now, the others are told when this process ends
+    return job
+
+
 def serve_job() -> NoReturn:
     """Serve rank 0 of the MPI job around this process until it ends; then end this process."""
     for number in (signal.SIGINT, signal.SIGTERM):

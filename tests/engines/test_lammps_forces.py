@@ -161,7 +161,16 @@ def bonded_scene(kind: str, key: str, numbers: tuple[float, ...], *, bonds: bool
     blocks = {BLOCKS[kind]: rows}
     if kind != "bond" and bonds:
         blocks = {"bonds": [f"harm {k} {k + 1} 64.0 0.5" for k in range(1, LENGTH)], **blocks}
-    return molecule_scene("HTTTT", blocks, chains(COPIES, LENGTH, BOX, seed=11), copies=COPIES, pairs=PAIRS, cell=BOX)
+    charged = {"charges": (1.0, -1.0, 0.5, 0.5, -1.0), "control": {"coul_bjerrum_length": "1.1 ang"}}
+    return molecule_scene(
+        "HTTTT",
+        blocks,
+        chains(COPIES, LENGTH, BOX, seed=11),
+        copies=COPIES,
+        pairs=PAIRS,
+        cell=BOX,
+        **(charged if key == "coul" else {}),  # type: ignore[arg-type]
+    )
 
 
 TRANSLATED = sorted(BONDED_STYLES)

@@ -55,7 +55,6 @@ def _opls(given: Numbers) -> str | None:
     return _words(first, second, third, 0.0) if constant == 0.0 and phase == 0.0 else None
 
 
-_QUARTIC = "{k}/2*({x}-{x0})^2+{k3}/3*({x}-{x0})^3+{k4}/4*({x}-{x0})^4"
 _MM3 = (1.0, -2.55, 7.0 / 12.0 * 2.55 * 2.55)
 _RYCKAERT = (1.116, -1.462, -1.578, 0.368, 3.156, 3.788)
 _OPLS = (
@@ -99,9 +98,13 @@ BONDED_STYLES: dict[tuple[BondedKind, str], BondedStyle | None] = {
         "{k}*(theta-{th0})^2*(1-0.014*(theta-{th0})+5.6e-5*(theta-{th0})^2-7e-7*(theta-{th0})^3"
         "+2.2e-8*(theta-{th0})^4)"
     ),
-    ("dihedral", "cos"): BondedStyle("{A}*(1+cos({m}*phi-{delta}))", "fourier", _cosine_dihedral),
+    ("dihedral", "cos"): BondedStyle(
+        "{A}*(1+cos({m}*(phi-2*{pi}*step(phi-{pi}))-{delta}))",  # LAMMPS counts phi from 0 to 2 pi
+        "fourier",
+        _cosine_dihedral,
+    ),
     ("dihedral", "harm"): BondedStyle(
-        "{k}/2*({turn})^2", "quadratic", lambda p: _words(0.5 * p[0], math.degrees(p[1]))
+        "{k}/2*acos(cos(phi-{phi0}))^2", "quadratic", lambda p: _words(0.5 * p[0], math.degrees(p[1]))
     ),
     ("dihedral", "hcos"): BondedStyle("{k}/2*(cos(phi)-cos({phi0}))^2"),
     ("dihedral", "cos3"): BondedStyle(

@@ -43,15 +43,20 @@ class Translation:
 
     def commands(self, data_file: str) -> list[str]:
         """Return all commands up to the first step."""
-        return [*self.before, f'read_data "{data_file}"', *self.after]
+        return [*self.before, f'read_data "{data_file}"', *self.after, *self.observed.commands()]
 
     def script(self, scene: Scene, data_file: str, steps: int) -> Iterator[str]:
         """Yield the lines of an input script that runs the scene."""
         yield f"# {scene.title or 'a scene'}: written by pydlpoly convert --to lammps"
         yield "# Numbers are in angstrom, picoseconds, dalton and 10 J/mol, or reduced ones; k_B = 1."
         yield "# Mixed laws and drags are written out. Long-range corrections are not included."
-        yield from self.commands(data_file)
+        yield from (*self.before, f'read_data "{data_file}"', *self.after)
+        yield "thermo_style custom step temp pe ke press evdwl ecoul elong ebond eangle edihed"
+        yield "thermo_modify norm no temp moving"
         yield f"thermo {scene.output.statistics_every or scene.output.print_every or 100}"
+        if scene.output.trajectory_every > 0:
+            columns = "id type x y z ix iy iz vx vy vz"
+            yield f"dump trajectory all custom {scene.output.trajectory_every} trajectory.lammpstrj {columns}"
         yield f"run {steps}"
         yield "write_data final.data"
 
@@ -98,7 +103,6 @@ def translate(scene: Scene, seed: int) -> Translation:
                 f"neighbor {number(_SKIN * reach)} bin",
                 "neigh_modify delay 0 every 1 check yes",
                 *fixes.commands,
-                *observed.commands(),
             ]
         ),
         observed=observed,
@@ -164,7 +168,7 @@ def _pair_commands(
         yield f"pair_style zero {number(scene.cutoff)}"
         yield "pair_coeff * *"
         return
-    yield f"pair_style hybrid/overlay {' '.join(f'{style.name} {style.arguments}' for style in both)}"
+    yield f"pair_style hybrid/overlay {' '.join(f'{style.name} {style.arguments}'.strip() for style in both)}"
     if not any(line.startswith("pair_coeff * *") for style in both for line in style.coefficients):
         # Pairs without any force have to be named.
         yield from (
