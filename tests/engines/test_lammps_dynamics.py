@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +11,10 @@ import pytest
 from pydlpoly import Scene, SceneError, Simulation, load, single_point
 from pydlpoly.cli import example_folder
 from pydlpoly.engines.lammps_translate import translate
+from pydlpoly.engines.lammps_translate.refusal import KNOWN, Places, refuse_unknown
 from pydlpoly.formats.records import FloatArray
 
+from ..run_folders import run_folder
 from ..scene_builder import NVE, make_scene
 
 LJ = ("A A lj 1.0 1.0", "A B lj 0.7 1.1", "B B lj 1.4 0.9")
@@ -255,47 +258,36 @@ REFUSED = {
     ),
     "schedule": (
         {"temperature_times": "[ 0.0 1.0 ] ps", "temperature_values": "[ 1.0 2.0 ] dpd_temp"},
-        "temperature",
+        "temperature_times",
         "schedule",
     ),
 }
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_settings_that_are_refused(name: str, tmp_path: object) -> None:
+def test_settings_that_are_refused(name: str, tmp_path: Path) -> None:
     """The message names CONTROL, the line and the keyword; the file is looked up again where the scene came from."""
-    from pathlib import Path
-    from tempfile import TemporaryDirectory
-
-    from ..run_folders import run_folder
-
     settings, keyword, words = REFUSED[name]
-    with TemporaryDirectory() as folder:
-        path = run_folder(Path(folder) / "run", settings)
-        lines = (path / "CONTROL").read_text().splitlines()
-        line = next(k for k, text in enumerate(lines, 1) if text.split()[0].startswith(keyword))
-        scene = load(path)
-        with pytest.raises(SceneError, match=words) as caught:
-            translate(scene, 1)
-        assert caught.value.line == line, str(caught.value)
-        assert caught.value.path == str(path / "CONTROL")
+    path = run_folder(tmp_path / "run", settings)
+    lines = (path / "CONTROL").read_text().splitlines()
+    line = next(k for k, text in enumerate(lines, 1) if text.split()[0].startswith(keyword))
+    scene = load(path)
+    with pytest.raises(SceneError, match=words) as caught:
+        translate(scene, 1)
+    assert caught.value.line == line, str(caught.value)
+    assert caught.value.path == str(path / "CONTROL")
 
 
-@pytest.mark.parametrize(
-    ("record", "words"),
-    [
-        ("A B sw 209.0 7.05 0.602 0.3 4 0 1.8", None),
-        ("extern\nshrx 1.0 1", "external field shrx"),
-    ],
-)
-def test_parts_of_field(record: str, words: str | None, tmp_path: object) -> None:
-    extern = record.split("\n")[1] if record.startswith("extern") else ""
-    pairs = ("A A dpd 25.0 1.0 4.5",) if extern else (record,)
-    scene = make_scene({"A": 10, "B": 10}, pairs, cell=6.0, control=NVE, extern=extern)
-    if words is None:
-        assert translate(scene, 1)
-        return
-    with pytest.raises(SceneError, match=rf"FIELD:\d+: the {words}"):
+def test_an_external_field_that_is_refused() -> None:
+    scene = make_scene(
+        {"A": 10, "B": 10},
+        cell=6.0,
+        pairs=("A A dpd 25.0 1.0", "A B dpd 25.0 1.0", "B B dpd 25.0 1.0"),
+        charges={"A": 1.0, "B": -1.0},
+        control=NVE,
+        extern="osel 1.0 0.0 0.0 2.0",
+    )
+    with pytest.raises(SceneError, match=r"FIELD:\d+: the external field osel cannot be run with the engine lammps"):
         translate(scene, 1)
 
 
@@ -304,8 +296,6 @@ def test_unknown_parts_are_refused() -> None:
     field_type = dataclasses.make_dataclass(
         "NewScene", [("novelty", int, dataclasses.field(default=0))], bases=(Scene,), frozen=True, eq=False
     )
-    from pydlpoly.engines.lammps_translate.refusal import KNOWN, Places, refuse_unknown
-
     scene = water()
     values = {field.name: getattr(scene, field.name) for field in dataclasses.fields(scene)}
     KNOWN[field_type] = KNOWN[Scene]

@@ -13,7 +13,7 @@ import pytest
 from pydlpoly import Scene, SceneError, _core
 from pydlpoly.engines.lammps_team import ProcessTeam
 from pydlpoly.engines.lammps_translate import translate
-from pydlpoly.engines.lammps_translate.bonded import BONDED_STYLES
+from pydlpoly.engines.lammps_translate.bonded import BONDED_STYLES, why_refused
 from pydlpoly.engines.lammps_translate.bonded import formula_of as bonded_formula
 from pydlpoly.engines.lammps_translate.pairs import PAIR_STYLES, PairStyle
 from pydlpoly.engines.lammps_translate.pairs import formula_of as pair_formula
@@ -233,3 +233,33 @@ def test_bonds_with_and_without_pair_forces_are_refused() -> None:
     scene = molecule_scene("HTT", blocks, positions, copies=COPIES, pairs=PAIRS, cell=BOX)
     with pytest.raises(SceneError, match=r"FIELD:\d+: bonds that leave their beads the pair forces"):
         translate(scene, 1)
+
+
+UNTRANSLATED = sorted(
+    key for key in BONDED_ROWS if key not in BONDED_STYLES and key[0] in ("angle", "inversion", "tether")
+)
+
+
+@pytest.mark.parametrize(("kind", "key"), UNTRANSLATED, ids=[f"{kind}-{key}" for kind, key in UNTRANSLATED])
+def test_bonded_laws_that_are_refused(kind: str, key: str) -> None:
+    """By name, with the line that asks for them."""
+    width = {"angle": 3, "inversion": 4, "tether": 1}[kind]
+    directive = {"angle": "angles", "inversion": "inversions", "tether": "teth"}[kind]
+    numbers = " ".join(map(repr, BONDED_ROWS[kind, key].numbers))
+    blocks = {directive: [f"{key} {' '.join(str(k) for k in range(1, width + 1))} {numbers}"]}
+    scene = molecule_scene("HTTTT", blocks, chains(5, LENGTH, BOX, seed=1), copies=5, pairs=PAIRS, cell=BOX)
+    with pytest.raises(SceneError, match=rf"FIELD:13: the {kind} law {key} cannot be run with the engine lammps"):
+        translate(scene, 1)
+
+
+def test_every_bonded_law_is_translated_or_refused_with_a_reason() -> None:
+    for law in _core.bonded_laws():
+        assert BONDED_STYLES.get((law["kind"], law["key"])) is not None or why_refused(law["kind"], law["key"])
+
+
+
+def test_tables_are_refused() -> None:
+    scene = law_scene("lj")
+    table = dataclasses.replace(scene.pairs[0], law="tab", parameters=(), table=np.ones((2, 9)), table_spacing=0.1)
+    with pytest.raises(SceneError, match=r"FIELD:9: the pair law tab of A-A cannot be run .*interpolates"):
+        translate(dataclasses.replace(scene, pairs=(table,)), 1)

@@ -209,10 +209,8 @@ def why_refused(kind: str, law: str) -> str:
 def _style_of(term: BondedTerm, places: Places) -> tuple[str, str]:
     entry = BONDED_STYLES.get((term.kind, term.law))
     if entry is None:
-        because = why_refused(term.kind, term.law)
-        raise refusal(
-            f"the {term.kind} law {term.law} cannot be run: {because};", places.of_text(term.explanation)
-        )
+        where = places.of_text(term.explanation)
+        raise refusal(f"the {term.kind} law {term.law} cannot be run", where, why_refused(term.kind, term.law))
     if entry.coefficients is not None:
         words = entry.coefficients(term.parameters)
         if words is not None:

@@ -195,14 +195,19 @@ def formula_of(pair: PairTerm) -> str:
     return text
 
 
+def why_refused(law: str) -> str:
+    """Return in words why a law is not translated."""
+    return REFUSED_BECAUSE.get(law, "it is not translated")
+
+
 def _style_of(pair: PairTerm, scene: Scene, places: Places) -> tuple[str, str]:
     """Return the style of a pair and its numbers."""
     assert pair.law is not None
     entry = PAIR_STYLES.get(pair.law)
     names = "-".join(scene.species[k] for k in pair.species)
     if entry is None:
-        because = REFUSED_BECAUSE.get(pair.law, "it is not translated")
-        raise refusal(f"the pair law {pair.law} of {names} cannot be run: {because};", places.of_text(pair.explanation))
+        where = places.of_text(pair.explanation)
+        raise refusal(f"the pair law {pair.law} of {names} cannot be run", where, why_refused(pair.law))
     shifted = pair.force_shift and pair_laws()[pair.law].shiftable
     if shifted and pair.law == "lj":
         return "lj/smooth/linear", " ".join(map(number, (*pair.parameters, pair.cutoff)))

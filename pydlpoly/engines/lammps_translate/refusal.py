@@ -44,7 +44,7 @@ KNOWN: dict[type, frozenset[str]] = {
 
 # The keyword of CONTROL behind a field, where it has another name.
 _KEYWORDS = {
-    "schedule": ("temperature_schedule", "temperature"),
+    "schedule": ("temperature_times", "temperature_amplitude", "temperature"),
     "barostat": ("ensemble",),
     "shear_rate": ("shear_rate",),
     "half_step_kinetic": ("ensemble_dpd_kinetic",),
@@ -95,10 +95,10 @@ class Places:
         return {"path": path, "line": int(found["line"])}
 
 
-def refusal(what: str, place: dict[str, Any]) -> SceneError:
+def refusal(what: str, place: dict[str, Any], because: str = "") -> SceneError:
     """Return the error that says what LAMMPS is not given, and where it stands."""
-    place = dict(place)
-    return SceneError(f"{what} with the engine lammps; the native engine runs it", **place)
+    reason = f" ({because})" if because else ""
+    return SceneError(f"{what} with the engine lammps{reason}; the native engine runs it", **place)
 
 
 def refuse_unknown(scene: Scene, places: Places) -> None:
