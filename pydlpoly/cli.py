@@ -1,5 +1,5 @@
 """The command line: ``pydlpoly run | check | explain | convert | build | bench | tradeoff | analyse | report | plot |
-examples``.
+plan | examples``.
 
 Exit codes: 0 done, 1 the input was refused, 2 wrong usage, 3 the run stopped being physical, 130 interrupted by Ctrl-C
 or SIGTERM (after writing the checkpoint). ``tradeoff`` has two more: 4 its budget was too short to recommend anything,
@@ -22,7 +22,8 @@ from pydlpoly import __version__
 from pydlpoly.analysis.cli import analyse_command
 from pydlpoly.bench.cli import bench
 from pydlpoly.build.cli import build
-from pydlpoly.conversion import convert_folder
+from pydlpoly.conversion import convert_folder, convert_to_lammps
+from pydlpoly.engines.cli import choose_engine
 from pydlpoly.engines.native import NativeEngine
 from pydlpoly.errors import InputError, PydlpolyError, RunError
 from pydlpoly.formats.atomic import replace_file
@@ -31,6 +32,7 @@ from pydlpoly.gallery import example_folder as example_folder
 from pydlpoly.gallery import example_names as example_names
 from pydlpoly.gallery import examples
 from pydlpoly.report.cli import plot_command, report_command
+from pydlpoly.planning.cli import plan
 from pydlpoly.runner import RunResult, run_scene
 from pydlpoly.scene import Scene, load
 from pydlpoly.scene.model import Precision
@@ -88,19 +90,36 @@ def run(
     resume: Annotated[
         bool, typer.Option("--resume", help="Continue from the checkpoint in the output folder.")
     ] = False,
+    engine: Annotated[str, typer.Option(help="native or lammps (docs/lammps.md).")] = "native",
+    ranks: Annotated[
+        int | None, typer.Option(min=1, help="Processes of the engine lammps; inside an MPI job its ranks are used.")
+    ] = None,
+    gpu: Annotated[
+        str, typer.Option(help="LAMMPS's own accelerator switches, for example '-sf gpu -pk gpu 1'.")
+    ] = "",
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress bar and no closing words.")] = False,
     lenient: Lenient = False,
 ) -> None:
     """Run a simulation and write OUTPUT, STATIS, HISTORY, averages, REVCON and the checkpoint, as CONTROL asks."""
     if resume and seed is not None:
         raise typer.BadParameter("a run that continues keeps the seed of its checkpoint", param_hint="--seed")
+    choose_engine(engine, ranks, gpu)
     try:
         scene, folder = _scene(directory, example, control, field, config, lenient=lenient)
         scene = _with_precision(scene, precision)
         target = output if output is not None else folder if example is None else Path()
         checkpoint = _checkpoint(scene, folder, target, resume=resume)
         result = run_scene(
-            scene, target, steps=steps, threads=threads, seed=seed, checkpoint=checkpoint, progress=not quiet
+            scene,
+            target,
+            steps=steps,
+            threads=threads,
+            seed=seed,
+            checkpoint=checkpoint,
+            progress=not quiet,
+            engine=engine,
+            ranks=ranks,
+            accelerator=gpu,
         )
     except KeyboardInterrupt:  # before the first step, or for the second time
         typer.echo("pydlpoly: interrupted at once; files keep what was written before", err=True)
@@ -110,6 +129,8 @@ def run(
     if result.interrupted:
         files = {"--control": control, "--field": field, "--config": config}
         options = {**files, "--steps": steps, "--threads": threads, "--precision": precision}
+        if engine != "native":
+            options |= {"--engine": engine, "--ranks": ranks, "--gpu": gpu or None}
         again = _command_line(directory, {"--example": example, **options, "--output": output}, lenient=lenient)
         _words_of_interrupted(result, again)
         raise typer.Exit(EXIT_INTERRUPTED)
@@ -155,23 +176,28 @@ def explain(
 
 @app.command()
 def convert(
-    source: Annotated[Path, typer.Argument(help="A CONTROL file of either style; with --to dl_poly a folder.")],
+    source: Annotated[
+        Path, typer.Argument(help="A CONTROL file of either style; with --to dl_poly and lammps a folder.")
+    ],
     *,
     to: Annotated[
-        str, typer.Option(help="new | old: the style of CONTROL to write; dl_poly: CONTROL, FIELD and CONFIG.")
+        str,
+        typer.Option(
+            help="new | old: the style of CONTROL to write; dl_poly: CONTROL, FIELD and CONFIG; lammps: a script."
+        ),
     ] = "new",
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="File (with dl_poly folder) to write; default: standard output."),
+        typer.Option("--output", "-o", help="File (or folder, with --to's folder) to write; default: standard output."),
     ] = None,
     lenient: Lenient = False,
 ) -> None:
-    """Rewrite CONTROL in the other style, or a folder in DL_MESO's dialect as files of DL_POLY."""
-    if to == "dl_poly":
-        _convert_folder(source, output, lenient=lenient)
+    """Rewrite CONTROL in the other style, a folder in DL_MESO's dialect as files of DL_POLY, or a folder for LAMMPS."""
+    if to in ("dl_poly", "lammps"):
+        _convert_folder(source, output, to, lenient=lenient)
         return
     if to not in ("new", "old"):
-        raise typer.BadParameter(f"'{to}' is nothing to write; expected new, old or dl_poly", param_hint="--to")
+        raise typer.BadParameter(f"'{to}' is nothing to write; expected new, old, dl_poly or lammps", param_hint="--to")
     record = read_control(source, lenient=lenient)
     if record.meso is not None:
         message = (
@@ -190,12 +216,13 @@ def convert(
             raise InputError(str(error)) from error
 
 
-def _convert_folder(source: Path, output: Path | None, *, lenient: bool) -> None:
+def _convert_folder(source: Path, output: Path | None, to: str, *, lenient: bool) -> None:
     if output is None:
-        raise typer.BadParameter("--to dl_poly writes three files; name a folder for them", param_hint="--output")
+        raise typer.BadParameter(f"--to {to} writes several files; name a folder for them", param_hint="--output")
     if not source.is_dir():
-        raise InputError("--to dl_poly takes the folder of a run", path=str(source))
-    for warning in convert_folder(source, output, lenient=lenient):
+        raise InputError(f"--to {to} takes the folder of a run", path=str(source))
+    write = convert_folder if to == "dl_poly" else convert_to_lammps
+    for warning in write(source, output, lenient=lenient):
         typer.echo(f"warning: {warning}", err=True)
 
 
@@ -250,6 +277,7 @@ def tradeoff(
 
 
 app.command()(build)
+app.command()(plan)
 app.command()(bench)
 app.command("analyse")(analyse_command)
 app.command("report")(report_command)

@@ -327,8 +327,8 @@ class OutputReporter:
             )
             if append:
                 self._writer.resume(simulation.step, __version__)
-            self._writer.text(scene.explain())
-            self._writer.text(f"seed {simulation.seed}, {simulation.threads} threads (results do not depend on these)")
+            self._writer.text(simulation.explain())
+            self._writer.text(_seed_and_workers(simulation))
         if not append:
             self._sample(simulation)
             if self._print_every > 0:
@@ -455,6 +455,12 @@ class OutputReporter:
             values = statistics_record(simulation).values()
             elapsed = clock.perf_counter() - self._begin
             self._writer.block(simulation.step, simulation.time, elapsed, values, self._rolling.mean())
+
+
+def _seed_and_workers(simulation: Simulation) -> str:
+    if simulation.engine == "lammps":
+        return f"seed {simulation.seed} (LAMMPS's noise follows from it and from the number of ranks)"
+    return f"seed {simulation.seed}, {simulation.threads} threads (results do not depend on these)"
 
 
 def _diffusion(simulation: Simulation) -> dict[str, tuple[float, float]]:

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from pydlpoly.bin_reporter import bin_reporters
 from pydlpoly.callbacks import CallbackFunction
@@ -90,6 +90,9 @@ def run_scene(
     checkpoint: str | Path | None = None,
     progress: bool = False,
     callbacks: Sequence[tuple[CallbackFunction, int]] = (),
+    engine: str = "native",
+    ranks: int | None = None,
+    accelerator: str = "",
 ) -> RunResult:
     """Run a scene to its last step, writing the files its CONTROL asks for.
 
@@ -102,6 +105,7 @@ def run_scene(
             records of steps after the checkpoint's are dropped first, since they are computed anew.
         progress: show a progress bar on a terminal.
         callbacks: functions and their intervals in steps, as for ``Simulation.add_callback``.
+        engine, ranks, accelerator: as for ``Simulation``.
 
     Raises:
         InputError: the checkpoint cannot be continued, or the files cannot be written; nothing has been touched.
@@ -109,7 +113,8 @@ def run_scene(
     """
     last = scene.run.steps if steps is None else steps
     begin = clock.perf_counter()
-    simulation = _simulation(scene, last, threads, seed, checkpoint)
+    engine_options = {"engine": engine, "ranks": ranks, "accelerator": accelerator}
+    simulation = _simulation(scene, last, threads, seed, checkpoint, engine_options)
     for function, every in callbacks:
         simulation.add_callback(function, every)
     target = Path(folder)
@@ -125,16 +130,21 @@ def run_scene(
 
 
 def _simulation(
-    scene: Scene, last: int, threads: int | None, seed: int | None, checkpoint: str | Path | None
+    scene: Scene,
+    last: int,
+    threads: int | None,
+    seed: int | None,
+    checkpoint: str | Path | None,
+    engine: dict[str, Any],
 ) -> Simulation:
     if checkpoint is None:
         if scene.run.start == "continue":
             raise InputError("CONTROL asks to continue a run (restart continue): say which checkpoint to continue from")
-        simulation = Simulation(scene, threads=threads, seed=seed)
+        simulation = Simulation(scene, threads=threads, seed=seed, **engine)
     else:
         if seed is not None:
             raise InputError("a run that continues keeps the seed of its checkpoint; leave the seed out")
-        simulation = Simulation.resume(checkpoint, scene=scene, threads=threads)
+        simulation = Simulation.resume(checkpoint, scene=scene, threads=threads, **engine)
         if simulation.step >= last:
             raise InputError(
                 f"is at step {simulation.step} already; to go on, ask for more than that in all (time_run or --steps), "

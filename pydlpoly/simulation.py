@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from pydlpoly.callbacks import Callback, CallbackFunction
 from pydlpoly.engines.native import NativeEngine, Totals, default_threads
+from pydlpoly.engines.protocol import ENGINES, Engine, EngineOptions
 from pydlpoly.errors import InputError, InputWarning, RunError, SceneError
 from pydlpoly.formats.checkpoint import read_checkpoint, write_checkpoint
 from pydlpoly.formats.records import FloatArray
@@ -168,13 +169,17 @@ class Simulation:
         seed: seed of noise and start velocities, 0 … 2^64 − 1 (default: the scene's, else drawn anew; see ``seed``).
         cell_width: link cells of at least this width (Å) instead of one cutoff. Results do not depend on it.
         precision: "double", "mixed" or "reference" in place of the scene's.
+        engine: "native" or "lammps", see docs/lammps.md.
+        ranks: number of processes of the engine lammps (default: those of the MPI job around this process, else 1).
+        accelerator: LAMMPS's own switches for accelerators, such as ``-sf gpu -pk gpu 1``.
 
     Attributes:
         seconds: wall-clock seconds that ``run`` has spent so far: "engine" for the steps themselves, and those of each
             reporter under the name of its class.
 
     Raises:
-        SceneError: the scene cannot be run.
+        SceneError: the scene cannot be run, or not by this engine.
+        InputError: what the engine needs is missing.
     """
 
     def __init__(
@@ -185,6 +190,9 @@ class Simulation:
         seed: int | None = None,
         cell_width: float = 0.0,
         precision: Precision | None = None,
+        engine: str = "native",
+        ranks: int | None = None,
+        accelerator: str = "",
     ) -> None:
         if precision is not None:
             if precision not in get_args(Precision):
@@ -199,7 +207,10 @@ class Simulation:
         if self.threads < 1:
             raise SceneError(f"the number of threads must be at least 1, not {threads}")
         self.reporters: list[Reporter] = []
-        self._engine = NativeEngine(scene, seed=self.seed, threads=self.threads, cell_width=cell_width)
+        self.engine = engine
+        self._engine = _engine(
+            engine, scene, self.seed, self.threads, cell_width, EngineOptions(ranks=ranks, accelerator=accelerator)
+        )
         self._observation: Observation | None = None
         self._stored_totals: Totals | None = None  # of a checkpoint, until the first step
         self._engine.start(scene)
@@ -346,6 +357,12 @@ class Simulation:
         self._rate += weight * (steps / elapsed - self._rate)
 
     # Looking
+
+    def explain(self) -> str:
+        """Return the scene in words and tables, with the plan of this simulation's engine."""
+        from pydlpoly.scene.explain import explain  # as in Scene.explain
+
+        return explain(self.scene, plan=self._engine.plan(), notes=self._engine.notes())
 
     @property
     def step(self) -> int:
@@ -654,7 +671,16 @@ class Simulation:
         write_checkpoint(path, arrays, meta)
 
     @classmethod
-    def resume(cls, path: str | Path, *, scene: Scene | None = None, threads: int | None = None) -> Simulation:
+    def resume(
+        cls,
+        path: str | Path,
+        *,
+        scene: Scene | None = None,
+        threads: int | None = None,
+        engine: str = "native",
+        ranks: int | None = None,
+        accelerator: str = "",
+    ) -> Simulation:
         """Return the simulation that a checkpoint holds, at the step it was saved.
 
         Args:
@@ -662,6 +688,7 @@ class Simulation:
             scene: go on with this scene (its run length, outputs, temperature, …) in place of the stored one; its cell
                 and its beads (species, masses, charges, which are frozen) must be the stored ones.
             threads: number of threads; results do not depend on it.
+            engine, ranks, accelerator: as for ``Simulation``; the engine need not be that of the checkpoint.
 
         Raises:
             InputError: the file is not a whole checkpoint of this program, or of other beads than the scene's.
@@ -678,7 +705,14 @@ class Simulation:
                 bonded = replace(bonded, anchors=stored.bonded.anchors)
             imcon = 2 if chosen.imcon == 1 and len(set(np.diag(cell).tolist())) > 1 else chosen.imcon
             chosen = replace(chosen, cell=cell, imcon=imcon, bonded=bonded)
-            simulation = cls(chosen, threads=threads, seed=int(meta["seed"]))
+            simulation = cls(
+                chosen,
+                threads=threads,
+                seed=int(meta["seed"]),
+                engine=engine,
+                ranks=ranks,
+                accelerator=accelerator,
+            )
             simulation._restore(arrays, meta)
         except InputError as error:
             raise InputError(error.message, path=error.path or str(path), line=error.line, word=error.word) from error
@@ -735,6 +769,22 @@ class Simulation:
         """Return what the reporter of this name had saved in the checkpoint; empty when there is nothing."""
         prefix = f"{name}."
         return {k[len(prefix) :]: v for k, v in self._reporter_state.items() if k.startswith(prefix)}
+
+
+def _engine(
+    name: str, scene: Scene, seed: int, threads: int, cell_width: float, options: EngineOptions
+) -> Engine:
+    if name not in ENGINES:
+        raise SceneError(f"is no engine; expected {', '.join(ENGINES)}", word=name)
+    if name == "native":
+        if options != EngineOptions():
+            raise SceneError("ranks and accelerator switches are for the engine lammps; the native one has threads")
+        return NativeEngine(scene, seed=seed, threads=threads, cell_width=cell_width)
+    from pydlpoly.engines.lammps import LammpsEngine  # only this engine needs it
+
+    if cell_width > 0.0:
+        raise SceneError("a width of link cells has no meaning with the engine lammps")
+    return LammpsEngine(scene, seed=seed, threads=threads, options=options)
 
 
 def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Observation:

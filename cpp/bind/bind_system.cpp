@@ -544,6 +544,13 @@ void bind_system(py::module_& m) {
         .def("enable_distances", &System::enable_distances, py::arg("reach"), py::arg("bins"), py::arg("every"),
              py::arg("after") = 0)
         .def("distance_counts", &distance_counts)
+        .def(
+            "sample_distances",
+            [](System& s) {
+                require(s.distances.has_value(), "pair distances are not sampled in this system");
+                s.distances->sample(s.state.box, s.state.particles);
+            },
+            "Counts the pair distances of the present positions as one more sample, whatever the step.")
         .def_property_readonly("distance_samples",
                                [](const System& s) { return s.distances ? s.distances->samples() : 0; })
         .def_property_readonly(

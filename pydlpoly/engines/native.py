@@ -83,7 +83,7 @@ class NativeEngine:
     """
 
     def __init__(self, scene: Scene, *, seed: int, threads: int, cell_width: float = 0.0) -> None:
-        self.threads = threads
+        self.threads, self._scene = threads, scene
         self._tail = long_range_tail(scene)
         beads = scene.beads
         velocities = np.zeros((len(beads), 3)) if beads.velocities is None else beads.velocities
@@ -147,6 +147,11 @@ class NativeEngine:
 
     def start(self, scene: Scene) -> None:
         """Give the beads the velocities that the scene's start asks for, and compute the first forces."""
+        self.prepare(scene)
+        self.initialise()
+
+    def prepare(self, scene: Scene) -> None:
+        """Give the beads the velocities that the scene's start asks for."""
         if self._constrained:
             self.system.meet_constraints()
             self.system.images = np.zeros((scene.bead_count, 3), dtype=np.int32)  # displacements count from here
@@ -158,7 +163,6 @@ class NativeEngine:
                 self.system.remove_drift()
             if scene.run.start == "rescale":
                 self.system.rescale_velocities()
-        self.initialise()
 
     def meet_constraints(self) -> None:
         """Bring positions to the lengths of constraints, and take out of velocities what would change them."""
@@ -231,6 +235,14 @@ class NativeEngine:
     def distance_counts(self, bins: int, species: int) -> NDArray[np.int64]:
         """Return pair distance counts, (species, species, bins), pairs counted once under a ≤ b."""
         return np.asarray(self.system.distance_counts()).reshape(species, species, bins)
+
+    def plan(self) -> list[str]:
+        """Return in words how steps are computed."""
+        return _plan_of(self.system.plan(), self._scene)
+
+    def notes(self) -> list[str]:
+        """Return what a user should know about results of this engine: nothing, the scene's notes say it all."""
+        return []
 
 
 def _pair_table(scene: Scene) -> _core.PairTable:
@@ -368,9 +380,13 @@ def _tail_of(term: PairTerm) -> tuple[float, float]:
 def plan(scene: Scene) -> list[str]:
     """Return in words how the scene's steps will be computed: path, instruction set, precision."""
     try:
-        path, reason = NativeEngine(scene, seed=0, threads=1).system.plan().split(": ", 1)
+        return NativeEngine(scene, seed=0, threads=1).plan()
     except (SceneError, ValueError) as error:  # the second when PYDLPOLY_SIMD names what is not there
         return [f"none: {error}"]
+
+
+def _plan_of(words: str, scene: Scene) -> list[str]:
+    path, reason = words.split(": ", 1)
     precision = scene.dynamics.precision
     if path == "fast":
         arithmetic = "single" if precision == "mixed" else "double"

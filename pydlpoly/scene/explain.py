@@ -42,8 +42,14 @@ _BYTES_PER_BEAD = 200
 PLANS: list[Callable[[Scene], list[str]]] = []
 
 
-def explain(scene: Scene) -> str:
-    """Return the scene as text of at most 100 columns (more only where a file's name is longer)."""
+def explain(scene: Scene, plan: Sequence[str] | None = None, notes: Sequence[str] = ()) -> str:
+    """Return the scene as text of at most 100 columns (more only where a file's name is longer).
+
+    Args:
+        scene: what is explained.
+        plan: how an engine computes it (default: as the native engine would).
+        notes: what that engine says about its results.
+    """
     sections = [
         ("Scene", _title(scene)),
         ("System", _system(scene)),
@@ -53,7 +59,7 @@ def explain(scene: Scene) -> str:
         ("Electrostatics", _electrostatics(scene)),
         *([] if scene.transport is None else [("Dissolved species", _transport(scene, scene.transport))]),
         ("Cutoffs and link cells", _cutoffs(scene)),
-        ("Plan", _plan(scene)),
+        ("Plan", [*(_plan(scene) if plan is None else plan), *notes]),
         ("Long-range correction", _long_range(scene)),
         ("External fields", _external(scene)),
         ("Run", _run(scene)),
