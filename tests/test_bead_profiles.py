@@ -88,7 +88,9 @@ def test_a_run_that_continues_has_the_same_files(tmp_path: Path, cut: int) -> No
         assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "parts" / name).read_bytes(), name
     assert read_binned(tmp_path / "whole" / "PROFILE").samples == 8  # steps 12, 16, … 40: after equilibration
     other = replace(scene, output=replace(scene.output, bead_profile=replace(scene.output.bead_profile, bins=(9,))))
-    with pytest.raises(InputError, match="holds a profile that cannot go on: it has other axes, bins or quantities; ke"):
+    with pytest.raises(
+        InputError, match="holds a profile that cannot go on: it has other axes, bins or quantities; ke"
+    ):
         run_scene(other, tmp_path / "parts", steps=60, checkpoint=tmp_path / "parts" / "REVIVE")
 
 
@@ -177,7 +179,13 @@ def test_quantities_and_groups(monkeypatch: pytest.MonkeyPatch) -> None:
         "concentration_1", "concentration_2",
     )  # fmt: skip
     asked = ["concentration", "velocity", "velocity_x"]
-    assert quantities_of(scene, asked) == ("concentration_1", "concentration_2", "velocity_x", "velocity_y", "velocity_z")
+    assert quantities_of(scene, asked) == (
+        "concentration_1",
+        "concentration_2",
+        "velocity_x",
+        "velocity_y",
+        "velocity_z",
+    )
     monkeypatch.setattr(Scene, "many_body", SimpleNamespace(), raising=False)
     assert available_quantities(scene)[-1] == "local_density"
     assert unit_of("number_density", scene) == ""
