@@ -18,7 +18,7 @@ from pydlpoly.errors import InputError, SceneError
 from pydlpoly.formats.binned_table import BinnedTable, is_binned, read_binned, write_binned
 from pydlpoly.formats.zdndat import read_density
 from pydlpoly.runner import run_scene
-from pydlpoly.scene.bins import available_quantities, quantities_of, unit_of
+from pydlpoly.scene.bins import VELOCITIES, available_quantities, quantities_of, unit_of
 
 from .carrying import carrying
 from .run_folders import run_folder
@@ -67,7 +67,9 @@ def linear(moment: Moment) -> dict[str, np.ndarray]:
 
 def test_what_beads_carry_is_averaged(tmp_path: Path) -> None:
     """A temperature that a callback keeps at 2 + z/2, and a concentration |x|: bins have them at their middles."""
-    scene = carrying(loaded(tmp_path / "in", {"profile_quantities": "[ temperature concentration ]"}))
+    scene = carrying(loaded(tmp_path / "in", {}))
+    plan = replace(scene.output.bead_profile, quantities=("temperature", "concentration"))
+    scene = replace(scene, output=replace(scene.output, bead_profile=plan))
     run_scene(scene, tmp_path / "out", threads=1, callbacks=[(linear, 1)])
     profile, plane = read_binned(tmp_path / "out" / "PROFILE"), read_binned(tmp_path / "out" / "MAP")
     assert list(profile.values) == ["temperature", "concentration_1", "concentration_2"]
@@ -88,9 +90,7 @@ def test_a_run_that_continues_has_the_same_files(tmp_path: Path, cut: int) -> No
         assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "parts" / name).read_bytes(), name
     assert read_binned(tmp_path / "whole" / "PROFILE").samples == 8  # steps 12, 16, … 40: after equilibration
     other = replace(scene, output=replace(scene.output, bead_profile=replace(scene.output.bead_profile, bins=(9,))))
-    with pytest.raises(
-        InputError, match="holds a profile that cannot go on: it has other axes, bins or quantities; ke"
-    ):
+    with pytest.raises(InputError, match="holds a profile that cannot go on: it has other axes, bins or quantities"):
         run_scene(other, tmp_path / "parts", steps=60, checkpoint=tmp_path / "parts" / "REVIVE")
 
 
@@ -156,13 +156,13 @@ def test_files_that_are_no_profiles(tmp_path: Path) -> None:
         ({"map_bins": "[ 2000 2000 ]"}, "'map_bins': 4000000 bins in all; at most 1000000 are kept"),
         ({"map_bins": "[ 0 5 ]"}, "'map_bins': expected at least one bin, found 0"),
         ({"profile_frequency": "-1 steps"}, "'profile_frequency': the interval must not be negative, found -1 steps"),
-        ({"profile_quantities": "velocty_x"}, "'profile_quantities': 'velocty_x': is not averaged in bins; expected some "
-         "of velocity, number_density, number_density_A, number_density_B, mass_density, velocity_x, velocity_y, "
+        ({"profile_quantities": "velocty_x"}, "'profile_quantities': 'velocty_x': is not averaged in bins; expected "
+         "some of velocity, number_density, number_density_A, number_density_B, mass_density, velocity_x, velocity_y, "
          "velocity_z, kinetic_temperature; did you mean velocity_x, velocity_z, velocity_y?"),
         ({"map_quantities": "[ temperature ]"}, "'map_quantities': 'temperature': beads carry no internal temperature; "
          "did you mean kinetic_temperature?"),
         ({"map_quantities": "concentration"}, "'map_quantities': 'concentration': beads carry no dissolved species"),
-        ({"map_quantities": "local_density"}, "'map_quantities': 'local_density': no pair law depends on a local densit"),
+        ({"map_quantities": "local_density"}, "'map_quantities': 'local_density': no pair law depends on a local"),
     ],
 )  # fmt: skip
 def test_refusals(tmp_path: Path, settings: dict[str, str | None], message: str) -> None:
@@ -175,17 +175,11 @@ def test_refusals(tmp_path: Path, settings: dict[str, str | None], message: str)
 def test_quantities_and_groups(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = carrying(make_scene({"A": 30}, cell=2.5))
     assert available_quantities(scene) == (
-        "number_density", "mass_density", "velocity_x", "velocity_y", "velocity_z", "kinetic_temperature", "temperature",
-        "concentration_1", "concentration_2",
+        "number_density", "mass_density", "velocity_x", "velocity_y", "velocity_z", "kinetic_temperature",
+        "temperature", "concentration_1", "concentration_2",
     )  # fmt: skip
     asked = ["concentration", "velocity", "velocity_x"]
-    assert quantities_of(scene, asked) == (
-        "concentration_1",
-        "concentration_2",
-        "velocity_x",
-        "velocity_y",
-        "velocity_z",
-    )
+    assert quantities_of(scene, asked) == ("concentration_1", "concentration_2", *VELOCITIES)
     monkeypatch.setattr(Scene, "many_body", SimpleNamespace(), raising=False)
     assert available_quantities(scene)[-1] == "local_density"
     assert unit_of("number_density", scene) == ""

@@ -37,7 +37,7 @@ def table_of(scene: Scene, *names: str, seed: int = 11) -> BeadTable:
     return BeadTable(names, values)
 
 
-# -- From a table to a scene --------------------------------------------------------------------------------------------
+# -- From a table to a scene -------------------------------------------------------------------------------------------
 
 
 def test_columns_that_are_given_replace_the_start_values() -> None:
@@ -101,7 +101,7 @@ def test_tables_that_do_not_fit(text: str, message: str) -> None:
     assert str(caught.value).startswith(message)
 
 
-# -- From files ---------------------------------------------------------------------------------------------------------
+# -- From files --------------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -182,7 +182,7 @@ def test_nfold_repeats_the_table_as_it_does_the_beads(tmp_path: Path, hot: Calla
     partners = distances.argmin(axis=1)
     np.testing.assert_array_equal(scene.beads.temperature, single.beads.temperature[partners])
     write_beads(folder / "BEADS", "t", ["temperature"], [np.ones(1440)])
-    with pytest.raises(SceneError, match="holds 1440 beads, but .* has 160 before they are repeated"):
+    with pytest.raises(SceneError, match=r"holds 1440 beads, but .* has 160 before they are repeated"):
         hot(folder)
 
 
@@ -210,7 +210,7 @@ def test_a_restart_from_revcon_and_revbeads_loses_nothing_of_what_is_carried(
         assert values.tobytes() == again.bead_arrays()[name].tobytes()
 
 
-# -- Files of a run -----------------------------------------------------------------------------------------------------
+# -- Files of a run ----------------------------------------------------------------------------------------------------
 
 
 def test_revbeads_is_written_with_revcon(tmp_path: Path) -> None:
@@ -242,7 +242,7 @@ def test_a_plain_scene_has_no_revbeads(tmp_path: Path) -> None:
     assert "REVBEADS" not in listing(tmp_path / "out")
 
 
-# -- Arrays and checkpoints -------------------------------------------------------------------------------------------
+# -- Arrays and checkpoints ------------------------------------------------------------------------------------------
 
 
 def test_arrays_are_copies_and_can_be_set() -> None:

@@ -180,19 +180,19 @@ def test_callbacks_that_are_missing_after_a_restart_are_named(tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("function", "message"),
     [
-        (lambda moment: {"tempreature": 1.0}, "'tempreature' is not carried by beads; expected temperature, "
+        (lambda _: {"tempreature": 1.0}, "'tempreature' is not carried by beads; expected temperature, "
          r"concentration_1, concentration_2; did you mean temperature\?"),
-        (lambda moment: {"temperature": np.ones(3)}, r"temperature must be of shape \(60,\), not \(3,\)"),
-        (lambda moment: {"concentrations": np.ones((60, 3))}, r"concentrations must be of shape \(60, 2\), not"),
-        (lambda moment: {"temperature": 0.0}, "temperature of bead 1 is 0; expected a finite temperature above 0"),
+        (lambda _: {"temperature": np.ones(3)}, r"temperature must be of shape \(60,\), not \(3,\)"),
+        (lambda _: {"concentrations": np.ones((60, 3))}, r"concentrations must be of shape \(60, 2\), not"),
+        (lambda _: {"temperature": 0.0}, "temperature of bead 1 is 0; expected a finite temperature above 0"),
         (lambda moment: {"concentration_2": -moment["concentration_2"]}, "concentration_2 of bead 1 is -0.*; expected a"
          " finite concentration, not below 0"),
-        (lambda moment: {"temperature": np.inf}, "temperature of bead 1 is inf; expected a finite"),
-        (lambda moment: {"temperature": "warm"}, "temperature is no array of numbers"),
-        (lambda moment: {"concentration_1": 1.0, "concentrations": np.ones((60, 2))}, "concentration_1 is given twice"),
-        (lambda moment: np.ones(60), "expected None or new values by name, not <class 'numpy.ndarray'>"),
+        (lambda _: {"temperature": np.inf}, "temperature of bead 1 is inf; expected a finite"),
+        (lambda _: {"temperature": "warm"}, "temperature is no array of numbers"),
+        (lambda _: {"concentration_1": 1.0, "concentrations": np.ones((60, 2))}, "concentration_1 is given twice"),
+        (lambda _: np.ones(60), "expected None or new values by name, not <class 'numpy.ndarray'>"),
         (lambda moment: moment["salt"], "KeyError: 'salt: expected temperature"),
-        (lambda moment: 1 / 0, "ZeroDivisionError: division by zero"),
+        (lambda _: 1 / 0, "ZeroDivisionError: division by zero"),
     ],
 )  # fmt: skip
 def test_errors_name_the_callback_and_the_step(function: Callable[[Moment], object], message: str) -> None:
@@ -208,7 +208,7 @@ def test_errors_name_the_callback_and_the_step(function: Callable[[Moment], obje
 
 def test_a_scene_that_carries_nothing_has_nothing_to_change() -> None:
     simulation = Simulation(make_scene({"A": 20}, cell=3.0), seed=1, threads=1)
-    simulation.add_callback(lambda moment: {"temperature": 1.0})
+    simulation.add_callback(lambda _: {"temperature": 1.0})
     with pytest.raises(RunError, match="'temperature' is not carried by beads; beads carry nothing that could"):
         simulation.run(1)
 
