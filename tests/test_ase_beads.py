@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from ase import Atoms
 
-from pydlpoly import Scene, Simulation
+from pydlpoly import Simulation
 from pydlpoly.ase import atoms_from_state, scene_from_atoms
 from pydlpoly.errors import SceneError
 from pydlpoly.scene import resolve
@@ -40,7 +39,7 @@ def hot(monkeypatch: pytest.MonkeyPatch) -> None:
         )
 
     monkeypatch.setitem(resolve.__globals__, "_beads", beads)
-    monkeypatch.setattr(Scene, "transport", SimpleNamespace(species=("salt",)), raising=False)
+    monkeypatch.setattr("pydlpoly.scene.beads_state._names_of_species", lambda _: ("salt",))
 
 
 @pytest.mark.usefixtures("hot")

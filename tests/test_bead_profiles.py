@@ -18,6 +18,7 @@ from pydlpoly.errors import InputError, SceneError
 from pydlpoly.formats.binned_table import BinnedTable, is_binned, read_binned, write_binned
 from pydlpoly.formats.zdndat import read_density
 from pydlpoly.runner import run_scene
+from pydlpoly.scene import bins
 from pydlpoly.scene.bins import VELOCITIES, available_quantities, quantities_of, unit_of
 
 from .carrying import carrying
@@ -180,7 +181,7 @@ def test_quantities_and_groups(monkeypatch: pytest.MonkeyPatch) -> None:
     )  # fmt: skip
     asked = ["concentration", "velocity", "velocity_x"]
     assert quantities_of(scene, asked) == ("concentration_1", "concentration_2", *VELOCITIES)
-    monkeypatch.setattr(Scene, "many_body", SimpleNamespace(), raising=False)
+    monkeypatch.setattr(bins, "has_local_density", lambda _: True)
     assert available_quantities(scene)[-1] == "local_density"
     assert unit_of("number_density", scene) == ""
     bonded = replace(scene, constraints=SimpleNamespace())
@@ -193,7 +194,7 @@ def test_local_densities_are_averaged(monkeypatch: pytest.MonkeyPatch) -> None:
     """What a scene with a local density gives as "density" is in the table as "local_density"."""
     simulation = Simulation(make_scene({"A": 30}, cell=2.5), seed=1, threads=1)
     arrays = simulation.bead_arrays()
-    monkeypatch.setattr(Scene, "many_body", SimpleNamespace(), raising=False)
+    monkeypatch.setattr(bins, "has_local_density", lambda _: True)
     monkeypatch.setattr(simulation, "bead_arrays", lambda: {**arrays, "density": np.arange(30.0)})
     reporter = BinReporter(simulation, axes="z", bins=(1,), every=1)
     reporter.report(simulation)

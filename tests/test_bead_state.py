@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,7 +18,7 @@ from pydlpoly.formats.config import read_config
 from pydlpoly.formats.extensions import EXTENSIONS
 from pydlpoly.formats.records import BeadTable
 from pydlpoly.runner import run_scene
-from pydlpoly.scene import resolve
+from pydlpoly.scene import beads_state, resolve
 from pydlpoly.scene.beads_state import carried_names, start_arrays, with_bead_table
 from pydlpoly.scene.serialise import scene_from_arrays, scene_to_arrays
 
@@ -58,7 +57,7 @@ def test_columns_that_are_given_replace_the_start_values() -> None:
 
 
 def test_species_have_the_names_of_the_scene(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Scene, "transport", SimpleNamespace(species=("salt", "sugar")), raising=False)
+    monkeypatch.setattr(beads_state, "_names_of_species", lambda _: ("salt", "sugar"))
     scene = carrying(fluid())
     assert carried_names(scene) == ("temperature", "concentration_salt", "concentration_sugar")
     found = with_bead_table(scene, table_of(scene, "concentration_sugar"))
@@ -106,7 +105,7 @@ def test_tables_that_do_not_fit(text: str, message: str) -> None:
 
 @pytest.fixture
 def hot(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Scene]:
-    """Load a folder as if FIELD's extension heat gave every bead k_B T = 2, and transport one species at 0.25."""
+    """Load a folder as if an extension "carried" gave every bead k_B T = 2 and one dissolved species of 0.25."""
     known = resolve.__globals__
     make_beads = known["_beads"]
 
@@ -116,8 +115,8 @@ def hot(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Scene]:
         carried = {"temperature": np.full(count, 2.0), "heat_capacity": np.full(count, 9.0)}
         return replace(made, **carried, concentrations=np.full((count, 1), 0.25))
 
-    for name in ("heat", "transport"):
-        monkeypatch.setitem(EXTENSIONS, name, "for a test")
+    monkeypatch.setitem(EXTENSIONS, "carried", "for a test")
+    monkeypatch.setattr("pydlpoly.scene.load.STATE_EXTENSIONS", ("carried",))
     monkeypatch.setitem(known, "_beads", beads)
     return pydlpoly.load
 
@@ -126,7 +125,7 @@ def with_extension(folder: Path, settings: dict[str, str | None] | None = None) 
     """The usual folder of a run, whose FIELD has an extension of a state."""
     run_folder(folder, settings)
     field = folder / "FIELD"
-    field.write_text(field.read_text() + "extension heat\nend extension\n")
+    field.write_text(field.read_text() + "extension carried\nend extension\n")
     return folder
 
 

@@ -29,10 +29,14 @@ def dissolved_species(scene: Scene) -> tuple[str, ...]:
     concentrations = scene.beads.concentrations
     if concentrations is None:
         return ()
+    names = _names_of_species(scene)
+    return names or tuple(str(k + 1) for k in range(concentrations.shape[1]))
+
+
+def _names_of_species(scene: Scene) -> tuple[str, ...]:
+    """Names that FIELD gives; none in scenes whose concentrations were put in by hand."""
     transport = getattr(scene, "transport", None)
-    if transport is not None:
-        return tuple(transport.species)
-    return tuple(str(k + 1) for k in range(concentrations.shape[1]))
+    return () if transport is None else tuple(transport.species)
 
 
 def carried_names(scene: Scene) -> tuple[str, ...]:
