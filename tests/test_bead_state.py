@@ -116,7 +116,7 @@ def hot(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Scene]:
         return replace(made, **carried, concentrations=np.full((count, 1), 0.25))
 
     monkeypatch.setitem(EXTENSIONS, "carried", "for a test")
-    monkeypatch.setattr("pydlpoly.scene.load.STATE_EXTENSIONS", ("carried",))
+    monkeypatch.setitem(pydlpoly.load.__globals__, "STATE_EXTENSIONS", ("carried",))
     monkeypatch.setitem(known, "_beads", beads)
     return pydlpoly.load
 
