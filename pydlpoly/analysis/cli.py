@@ -77,7 +77,7 @@ def analyse_command(
     makers: list[tuple[bool, Callable[[], Sequence[Analysis[Any]]]]] = [
         (rdf, lambda: [_radial(bin_width, reach, topology if between else None)]),
         (density is not None, lambda: [DensityProfile(density or "z", centre=centre)]),
-        (profile is not None, lambda: [Profile(profile or "z", bins=bins, reduced=topology.reduced)]),
+        (profile is not None, lambda: [_profile(profile or "z", bins, topology)]),
         (msd, lambda: [MeanSquareDisplacement(longest=longest, fit=_range(fit))]),
         (vaf, lambda: [VelocityAutocorrelation(longest=longest)]),
         (chains, lambda: [ChainDimensions(topology.chains())]),
@@ -147,13 +147,24 @@ class _Topology:
         return self._scene
 
     @property
+    def known(self) -> bool:
+        """Whether there is a scene to ask."""
+        return self._scene is not None or (self._folder is not None and (self._folder / "FIELD").is_file())
+
+    @property
     def reduced(self) -> bool:
         """Whether FIELD's units are reduced; without a scene lengths and times are those of the file."""
-        known = self._scene is not None or (self._folder is not None and (self._folder / "FIELD").is_file())
-        return known and self.scene.units.reduced
+        return self.known and self.scene.units.reduced
 
     def chains(self) -> list[Molecules]:
         return [one for one in molecules_of(self.scene).values() if one.beads.shape[1] > 1]
+
+
+def _profile(axes: str, bins: int, topology: _Topology) -> Profile:
+    if topology.known:
+        return Profile(axes, bins=bins, reduced=topology.reduced)
+    typer.echo("no kinetic temperature: its unit is FIELD's; name the folder of FIELD with --scene", err=True)
+    return Profile(axes, bins=bins, without=("kinetic_temperature",))
 
 
 def _radial(width: float, reach: float | None, topology: _Topology | None) -> RadialDistribution:

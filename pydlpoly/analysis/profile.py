@@ -56,6 +56,7 @@ class Profile(Analysis[BinnedProfiles]):
         bins: how many along each; one number counts for both.
         quantities: "number_density", "mass_density", "velocity_x", "velocity_y", "velocity_z" or "kinetic_temperature";
             by default all that the first frame has.
+        without: quantities to leave out.
         reduced: temperatures are reduced, with k_B = 1.
 
     Raises:
@@ -68,17 +69,19 @@ class Profile(Analysis[BinnedProfiles]):
         *,
         bins: int | Sequence[int] = 100,
         quantities: Sequence[str] = (),
+        without: Sequence[str] = (),
         reduced: bool = False,
     ) -> None:
         self._axes, self._bins = checked_axes(axes), checked_bins(bins, len(axes))
-        self._asked, self._boltzmann = tuple(quantities), 1.0 if reduced else BOLTZMANN
+        self._asked, self._without = tuple(quantities), tuple(without)
+        self._boltzmann = 1.0 if reduced else BOLTZMANN
         self._means: BinnedMeans | None = None
 
     def add(self, frame: Frame) -> None:
         """Take one frame."""
         if self._means is None:
             moving = () if frame.velocities is None else _MOVING
-            chosen = self._asked or (*_PLAIN, *moving)
+            chosen = tuple(name for name in self._asked or (*_PLAIN, *moving) if name not in self._without)
             for name in chosen:
                 if name not in (*_PLAIN, *_MOVING):
                     known = ", ".join((*_PLAIN, *_MOVING))

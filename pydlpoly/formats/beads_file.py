@@ -103,7 +103,7 @@ class _BeadsReader:
         order = self._order(indices)
         if order is not None:
             values = values[order]
-        return BeadTable(names, values, title, order, self.path)
+        return BeadTable(names, values, title, order, self.path, first_line=3)
 
     def _fail(self, message: str, line: int, word: str | None = None) -> NoReturn:
         raise InputError(message, path=self.path, line=line, word=word)

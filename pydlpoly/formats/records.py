@@ -338,7 +338,8 @@ class BeadTable:
     Attributes:
         names: of the columns, "temperature" or "concentration_" and the name of a dissolved species.
         values: (N, columns), temperatures in K (reduced numbers with FIELD's ``units dpd``).
-        rows: (N,) where in the file each bead stands, from 0; None when the beads stand in order.
+        rows: (N,) where in its source each bead stands, from 0; None when the beads stand in order.
+        first_line: line of the first bead in the file, 0 when the table was made by a program.
     """
 
     names: tuple[str, ...]
@@ -346,10 +347,12 @@ class BeadTable:
     title: str = ""
     rows: IntArray | None = None
     path: str = "BEADS"
+    first_line: int = 0
 
-    def line_of(self, bead: int) -> int:
-        """Return the line of a bead counted from 0."""
-        return 3 + (bead if self.rows is None else int(self.rows[bead]))
+    def place_of(self, bead: int) -> tuple[int, int | None]:
+        """Return the number that the source gives to a bead counted from 0, and its line if there are lines."""
+        row = bead if self.rows is None else int(self.rows[bead])
+        return (bead + 1, self.first_line + row) if self.first_line else (row + 1, None)
 
     def __eq__(self, other: object) -> bool:
         """Compare title, names and values."""

@@ -29,10 +29,14 @@ def dissolved_species(scene: Scene) -> tuple[str, ...]:
     concentrations = scene.beads.concentrations
     if concentrations is None:
         return ()
+    names = _names_of_species(scene)
+    return names or tuple(str(k + 1) for k in range(concentrations.shape[1]))
+
+
+def _names_of_species(scene: Scene) -> tuple[str, ...]:
+    """Names that FIELD gives; none in scenes whose concentrations were put in by hand."""
     transport = getattr(scene, "transport", None)
-    if transport is not None:
-        return tuple(transport.species)
-    return tuple(str(k + 1) for k in range(concentrations.shape[1]))
+    return () if transport is None else tuple(transport.species)
 
 
 def carried_names(scene: Scene) -> tuple[str, ...]:
@@ -92,18 +96,19 @@ def with_bead_table(scene: Scene, table: BeadTable | None) -> Scene:
     if not known:
         text = f"{where} is not used: beads carry neither internal temperatures nor dissolved species"
         return replace(scene, notes=(*scene.notes, Note("ignored", text, where)))
+    head = 2 if table.first_line else None
     if len(table.values) != scene.bead_count:
         message = f"holds {len(table.values)} beads, but the scene has {scene.bead_count}"
-        raise SceneError(message, path=table.path, line=2)
+        raise SceneError(message, path=table.path, line=head)
     for name, column in zip(table.names, table.values.T, strict=True):
         if name not in known:
             message = f"beads do not carry this; expected {', '.join(known)}{suggest(name, known)}"
-            raise SceneError(message, path=table.path, line=2, word=name)
+            raise SceneError(message, path=table.path, line=head, word=name)
         wrong = why_not(name, column)
         if wrong is not None:
             bead, told = wrong
-            line = table.line_of(bead)
-            raise SceneError(f"{name} of bead {bead + 1}: {told}", path=table.path, line=line, word=f"{column[bead]:g}")
+            number, line = table.place_of(bead)
+            raise SceneError(f"{name} of bead {number}: {told}", path=table.path, line=line, word=f"{column[bead]:g}")
     given = dict(zip(table.names, table.values.T, strict=True))
     text = f"{', '.join(table.names)} of the beads: from {where}"
     missing = [name for name in known if name not in given]
@@ -138,7 +143,7 @@ def repeated_table(table: BeadTable | None, before: Field, after: Field) -> Bead
         return table
     if len(table.values) != before.bead_count:
         message = f"holds {len(table.values)} beads, but {before.path} has {before.bead_count} before they are repeated"
-        raise SceneError(message, path=table.path, line=2)
+        raise SceneError(message, path=table.path, line=2 if table.first_line else None)
     copies = after.bead_count // before.bead_count
     ends = np.cumsum([0, *(m.count * m.beads_per_molecule for m in before.molecules)]).tolist()
     order = np.concatenate([np.tile(np.arange(start, end), copies) for start, end in pairwise(ends)])

@@ -36,7 +36,7 @@ def test_every_bit_comes_back(tmp_path: Path) -> None:
 def test_beads_in_any_order_and_fortran_numbers() -> None:
     table = parse_beads("title\n3 temperature\n3 1d2\n1 .5\n2 1.5-1\n\n\n")
     assert table.values.tolist() == [[0.5], [0.15], [100.0]]
-    assert [table.line_of(bead) for bead in range(3)] == [4, 5, 3]
+    assert [table.place_of(bead) for bead in range(3)] == [(1, 4), (2, 5), (3, 3)]
     assert parse_beads("title\r\n1 temperature\r\n1 2\r\n") == BeadTable(("temperature",), np.array([[2.0]]), "title")
 
 
@@ -87,7 +87,7 @@ def test_files_that_cannot_be_had(tmp_path: Path) -> None:
      (("a", "b"), [np.ones(2), np.ones(3)])],
 )  # fmt: skip
 def test_what_cannot_be_written(tmp_path: Path, names: tuple[str, ...], columns: list[np.ndarray]) -> None:
-    with pytest.raises(ValueError, match="expected one column|must be words"):
+    with pytest.raises(ValueError, match=r"expected one column|must be words"):
         write_beads(tmp_path / "BEADS", "t", names, columns)
     assert not (tmp_path / "BEADS").exists()
 
