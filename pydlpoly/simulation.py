@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import secrets
 import time as clock
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -187,7 +187,7 @@ class Simulation:
         self.start_positions: FloatArray = np.asarray(self._engine.system.positions)
         self._configurational: tuple[int, tuple[float, float]] | None = None  # with its step
         self._rate = 0.0
-        self.seconds: Counter[str] = Counter()
+        self.seconds: defaultdict[str, float] = defaultdict(float)
         self._interrupted = False
         self._reporter_state: dict[str, NDArray[Any]] = {}
         output = scene.output

@@ -47,7 +47,8 @@ def plot_command(
     ] = None,
     *,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Picture to write: .png, .svg or .pdf (default: QUANTITY.png).")
+        Path | None,
+        typer.Option("--output", "-o", help="Picture: .png, .svg or .pdf (default: QUANTITY.png)."),
     ] = None,
     inputs: Inputs = None,
 ) -> None:
@@ -70,8 +71,8 @@ def plot_command(
     if drawing is None:
         if quantity in FIGURES:
             raise InputError("the files of this folder do not hold it", path=str(folder), word=quantity)
-        known = [*FIGURES, *all_series(run)]
-        raise InputError(f"is nothing that can be drawn here{suggest(quantity, known)}", path=str(folder), word=quantity)
+        near = suggest(quantity, [*FIGURES, *all_series(run)])
+        raise InputError(f"is nothing that can be drawn here{near}", path=str(folder), word=quantity)
     drawing.figure.set_dpi(_DOTS_PER_INCH)
     with look():
         save_figure(drawing.figure, path)

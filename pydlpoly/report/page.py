@@ -117,7 +117,7 @@ def _shown(drawing: Drawing | None) -> Shown | None:
         return None
     label = escape(f"{drawing.title}. {drawing.caption}")
     picture = svg(drawing.figure, drawing.name).replace("<svg", f'<svg role="img" aria-label="{label}"', 1)
-    return Shown(drawing.name, drawing.title, drawing.caption, Markup(picture), drawing.table)  # noqa: S704
+    return Shown(drawing.name, drawing.title, drawing.caption, Markup(picture), drawing.table)
 
 
 def _commands(text: str) -> Markup:
@@ -145,7 +145,8 @@ def _facts(run: Run) -> list[tuple[str, str]]:
         species = ""
         if scene is not None:
             amounts = (int((scene.beads.species == k).sum()) for k in range(len(scene.species)))
-            species = " (" + ", ".join(f"{count} {name}" for count, name in zip(amounts, scene.species, strict=True)) + ")"
+            named = (f"{count} {name}" for count, name in zip(amounts, scene.species, strict=True))
+            species = f" ({', '.join(named)})"
         facts.append(("beads", f"{run.beads}{species}"))
     if scene is not None:
         facts.append(("integrator", scene.dynamics.integrator))
@@ -166,7 +167,8 @@ def _facts(run: Run) -> list[tuple[str, str]]:
         facts.append(("time for the steps", f"{run.log.loop_seconds:.4g} s"))
     if run.log is not None and run.log.threads is not None:
         facts += [("threads", str(run.log.threads)), ("seed", str(run.log.seed))]
-    facts.append(("units", "reduced, k_B = 1" if units.reduced else f"{units.energy}, K, katm, ps, Å".removeprefix(", ")))
+    words = ("reduced, k_B = 1",) if units.reduced else (units.energy, "K", "katm", "ps", "Å")
+    facts.append(("units", ", ".join(word for word in words if word)))
     return facts
 
 

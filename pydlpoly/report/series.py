@@ -129,7 +129,15 @@ def _of_diagnostics(run: Run, units: Units) -> dict[str, Series]:
     counted = columns["step"] > run.equilibration
     kinds = {column.name: column.kind for column in COLUMNS}
     found = {
-        name: Series(name, name.replace("_", " "), kinds.get(name, ""), units.of(kinds.get(name, "")), columns["time"], values, counted)
+        name: Series(
+            name,
+            name.replace("_", " "),
+            kinds.get(name, ""),
+            units.of(kinds.get(name, "")),
+            columns["time"],
+            values,
+            counted,
+        )
         for name, values in columns.items()
         if name not in ("step", "time")
     }
