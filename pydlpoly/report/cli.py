@@ -10,7 +10,7 @@ import typer
 from pydlpoly.bench.plot import save_figure
 from pydlpoly.errors import InputError, suggest
 from pydlpoly.report.against_time import one_quantity
-from pydlpoly.report.collect import collect
+from pydlpoly.report.collect import collect_run
 from pydlpoly.report.figures import FIGURES, draw
 from pydlpoly.report.page import write_report
 from pydlpoly.report.series import all_series
@@ -54,7 +54,7 @@ def plot_command(
 ) -> None:
     """Draw one quantity of a run: a figure of the report, or any column of STATIS or DIAGNOSTICS against time."""
     check_packages()
-    run = collect(folder, inputs)
+    run = collect_run(folder, inputs)
     if quantity is None:
         names = [name for name in FIGURES if draw(run, name) is not None]
         typer.echo("figures: " + ", ".join(names or ["none"]))

@@ -183,7 +183,7 @@ class Run:
         return self.log.temperatures["thermostat"][0] if self.log and "thermostat" in self.log.temperatures else None
 
 
-def collect(folder: str | Path, inputs: str | Path | None = None) -> Run:
+def collect_run(folder: str | Path, inputs: str | Path | None = None) -> Run:
     """Read the files of a run.
 
     Args:

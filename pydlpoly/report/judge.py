@@ -16,7 +16,7 @@ import numpy as np
 
 from pydlpoly.formats.blocks import block_means, three_of
 from pydlpoly.report.collect import Run
-from pydlpoly.report.series import LEAST_SAMPLES, Average, Series, all_series, change_and_chance
+from pydlpoly.report.series import LEAST_SAMPLES, Average, Series, all_series, change_and_chance, trend_and_chance
 from pydlpoly.temperatures import TOLERATED, change_over
 from pydlpoly.tradeoff.statistics import slope_and_error
 
@@ -28,6 +28,7 @@ MOMENTUM = 1e-3
 ENERGY = 0.01
 REPORTERS = 0.25
 LEAST_INDEPENDENT = 4.0
+EQUILIBRATION = 0.05
 
 
 @dataclass(frozen=True)
@@ -87,7 +88,7 @@ class Evidence:
         return f"{value:.5g} {self.units.of(kind)}".rstrip()
 
 
-def judge(run: Run) -> list[Finding]:
+def judge_run(run: Run) -> list[Finding]:
     """Return what all checks find, warnings first."""
     evidence = Evidence(run)
     found = [finding for check in CHECKS for finding in check(evidence)]
@@ -184,6 +185,32 @@ def configurational_temperature(evidence: Evidence) -> list[Finding]:
     cause, advice = _cause(evidence, "configurational_temperature", average.value - reference)
     text = f"configurational temperature {_percent(off)} ({numbers}), and structure and pressure with it: {cause}"
     return [Finding("warning", "Configurational temperature", text, advice)]
+
+
+def equilibrated(evidence: Evidence) -> list[Finding]:
+    """A straight line through temperature or potential energy that changes by 2 % of T, or 5 % of k_B T a bead.
+
+    2 % is what the run's own warning tolerates (``pydlpoly.temperatures.TOLERATED``); 5 % of k_B T a bead is about as
+    much: 2 % of T is 3 % of k_B T in kinetic energy.
+    """
+    run, scene = evidence.run, evidence.run.scene
+    if scene is None or scene.dynamics.schedule is not None or scene.dynamics.thermal_energy <= 0.0:
+        return []
+    target = scene.dynamics.thermal_energy / scene.units.boltzmann
+    energy = scene.dynamics.thermal_energy / scene.units.factor
+    found = []
+    for name, label, kind, limit in (
+        ("temperature", "the kinetic temperature", "temperature", TOLERATED * target),
+        ("configurational_energy", "the potential energy per bead", "energy", EQUILIBRATION * energy),
+    ):
+        series = evidence.series.get(name)
+        change, chance = trend_and_chance(series) if series is not None and run.beads else (0.0, math.inf)
+        if abs(change) > max(limit, chance):
+            way, unit = "rises" if change > 0.0 else "falls", f" {evidence.units.of(kind)}".rstrip()
+            found.append(f"{label} still {way}, by about {abs(change):.2g}{unit} over the samples")
+    if not found:
+        return []
+    return [Finding("warning", "Not equilibrated", " and ".join(found), "a longer `time_equilibration`")]
 
 
 def momentum(evidence: Evidence) -> list[Finding]:
@@ -343,6 +370,7 @@ CHECKS: tuple[Callable[[Evidence], list[Finding]], ...] = (
     finite,
     kinetic_temperature,
     configurational_temperature,
+    equilibrated,
     energy_drift,
     momentum,
     pressure,

@@ -14,9 +14,9 @@ import numpy as np
 
 from pydlpoly import __version__
 from pydlpoly.formats.atomic import replace_file
-from pydlpoly.report.collect import Run, collect
+from pydlpoly.report.collect import Run, collect_run
 from pydlpoly.report.figures import FIGURES, draw
-from pydlpoly.report.judge import Evidence, Finding, judge, with_error
+from pydlpoly.report.judge import Evidence, Finding, judge_run, with_error
 from pydlpoly.report.speed import steps_a_second
 from pydlpoly.report.style import Drawing, Table, axis_label, check_packages, svg
 
@@ -74,8 +74,8 @@ def write_report(
         RunError: the file cannot be written.
     """
     check_packages(template=True)
-    run = collect(folder, inputs)
-    findings = judge(run)
+    run = collect_run(folder, inputs)
+    findings = judge_run(run)
     target = Path(path) if path is not None else Path(folder) / "report.html"
     replace_file(target, render(run, findings))
     return target, findings

@@ -109,7 +109,7 @@ def wrapped(snapshot: Snapshot) -> FloatArray:
 
 
 def _axes_of_view() -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Unit vectors to the right, up, and towards the viewer, who looks from the front, a little from the right, above."""
+    """Unit vectors to the right, up, and towards the viewer, who looks from the front, from the right and above."""
     right = np.array([np.cos(_TURN), np.sin(_TURN), 0.0])
     front = np.array([np.sin(_TURN), -np.cos(_TURN), 0.0])
     towards = np.cos(_TILT) * front + np.sin(_TILT) * np.array([0.0, 0.0, 1.0])

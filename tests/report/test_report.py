@@ -14,7 +14,7 @@ from pydlpoly.errors import InputError
 from pydlpoly.formats.output_reader import read_output
 from pydlpoly.formats.rdfdat import read_rdf
 from pydlpoly.formats.statis import read_statistics
-from pydlpoly.report import collect, judge, write_report
+from pydlpoly.report import collect_run, judge_run, write_report
 from pydlpoly.runner import run_scene
 from pydlpoly.scene import load
 
@@ -185,8 +185,8 @@ def test_any_file_may_be_missing_or_garbage(reports, tmp_path: Path) -> None:
                 (folder / victim.name).unlink()
             else:
                 (folder / victim.name).write_bytes(content)
-            run = collect(folder)
-            findings = judge(run)
+            run = collect_run(folder)
+            findings = judge_run(run)
             if content is not None and b"garbage" in content and victim.name in run.files:
                 inputs = ("CONTROL", "FIELD", "CONFIG", "REVCON")  # not needed beside a checkpoint
                 assert f"File {victim.name}" in [one.subject for one in findings] or victim.name in inputs
@@ -206,8 +206,8 @@ def test_folders_apart(tmp_path: Path) -> None:
     """Output files in one folder, input files in another."""
     source = run_folder(tmp_path / "inputs", {"data_dump_frequency": "0 steps", "io_file_revive": "NONE"})
     run_scene(load(source), tmp_path / "outputs")
-    assert collect(tmp_path / "outputs").scene is None
-    run = collect(tmp_path / "outputs", source)
+    assert collect_run(tmp_path / "outputs").scene is None
+    run = collect_run(tmp_path / "outputs", source)
     assert run.scene is not None
     assert run.asked_steps == run.done_steps == 40
 
@@ -216,7 +216,7 @@ def test_continued_run_counts_all_steps(tmp_path: Path) -> None:
     scene = load(run_folder(tmp_path))
     run_scene(scene, tmp_path, steps=20)
     run_scene(scene, tmp_path, steps=60, checkpoint=tmp_path / "REVIVE")
-    run = collect(tmp_path)
+    run = collect_run(tmp_path)
     assert run.log is not None
     assert run.log.starts == (0, 20)
     assert run.asked_steps == run.done_steps == 60
@@ -235,7 +235,7 @@ def test_text_of_files_is_no_markup(tmp_path: Path) -> None:
 
 def test_folder_that_is_none_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no such folder"):
-        collect(tmp_path / "nowhere")
+        collect_run(tmp_path / "nowhere")
 
 
 def test_missing_packages_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
