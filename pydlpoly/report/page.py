@@ -91,7 +91,7 @@ def render(run: Run, findings: list[Finding]) -> str:
     template = environment.from_string((resources.files("pydlpoly.report") / "template.html").read_text("utf-8"))
     return template.render(
         title=run.title,
-        folder=str(run.folder.resolve()),
+        folder=str(run.folder),
         version=__version__,
         made=datetime.now().astimezone().strftime("%Y-%m-%d %H:%M"),
         status=_status(run, findings),
