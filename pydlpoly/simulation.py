@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 import secrets
 import time as clock
-from collections import Counter
 import warnings
+from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from operator import methodcaller
@@ -219,7 +219,7 @@ class Simulation:
         self._start_amounts = self._amounts()
         self._configurational: tuple[int, tuple[float, float]] | None = None  # with its step
         self._rate = 0.0
-        self.seconds: Counter[str] = Counter()
+        self.seconds: defaultdict[str, float] = defaultdict(float)
         self._interrupted = False
         self._reporter_state: dict[str, NDArray[Any]] = {}
         self._callbacks: list[Callback] = []

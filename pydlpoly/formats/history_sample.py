@@ -79,7 +79,7 @@ def _places(path: Path) -> tuple[IntArray, str] | None:
                 return None
         handle.seek(0)
         lines = handle.read(2 * RECORD_BYTES).split(b"\n")
-    if len(lines) != 3 or count < 0:
+    if [len(line) for line in lines] != [RECORD_BYTES - 1, RECORD_BYTES - 1, 0] or count < 0:
         return None
     starts = 2 * RECORD_BYTES + frame * np.arange(count)
     cut = f"a frame is cut short after the first {count}" if rest else ""

@@ -8,7 +8,8 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,9 @@ _BANNER = re.compile(r"^pydlpoly (\S+)\n", re.MULTILINE)
 _RESUMED = re.compile(r"^continues from step (\d+) with pydlpoly \S+$")
 _END = re.compile(r"^run terminated after (\d+) steps \(\s*(\S+?)(?: ps)?\)", re.MULTILINE)
 _AVERAGED = re.compile(r"final averages calculated over (\d+) steps")
-_ESTIMATE = re.compile(r"^  (?P<name>\S.{0,15}?) *(?P<value>\S+)(?:  ?\+-\s*(?P<error>\S+))?(?:  \(too few.*\))?(?: \S+)?$")
+_ESTIMATE = re.compile(
+    r"^  (?P<name>\S.{0,15}?) *(?P<value>\S+)(?:  ?\+-\s*(?P<error>\S+))?(?:  \(too few.*\))?(?: \S+)?$"
+)
 _SECONDS = re.compile(r"^(?P<name>\S.*?)\s+(?P<seconds>\S+) sec$")
 _LOOP = re.compile(r"^Loop time for all the steps: (\S+) s, time per step: (\S+) s$", re.MULTILINE)
 _SEED = re.compile(r"^seed (\d+), (\d+) threads")
@@ -90,7 +93,7 @@ def read_output(path: PathLike) -> OutputLog:
     # The averages at the end look like a print-out.
     prints = prints[:-1] if end is not None and len(part) > end + 2 and _AVERAGED.search(part[end]) else prints
     seed = next((found for piece in part if (found := _SEED.match(piece))), None)
-    return OutputLog(
+    log = OutputLog(
         version,
         title,
         tuple(starts),
@@ -100,8 +103,8 @@ def read_output(path: PathLike) -> OutputLog:
         prints[:, 0].astype(np.int64),
         prints[:, 1],
         prints[:, 2],
-        **(_summary("\n".join(part[end:])) if end is not None else {}),
     )
+    return log if end is None else replace(log, **_summary("\n".join(part[end:])))
 
 
 def _print_out(piece: str) -> tuple[float, float, float] | None:
@@ -116,7 +119,7 @@ def _print_out(piece: str) -> tuple[float, float, float] | None:
     return step, time, elapsed
 
 
-def _summary(text: str) -> dict[str, object]:
+def _summary(text: str) -> dict[str, Any]:
     """What the end of a run holds, by attribute of ``OutputLog``."""
     end, averaged, loop = _END.search(text), _AVERAGED.search(text), _LOOP.search(text)
     assert end is not None

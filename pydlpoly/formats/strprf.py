@@ -100,9 +100,8 @@ def read_profile(path: PathLike) -> ProfileTable:
     except ValueError:
         raise InputError(f"expected rows of {len(columns)} numbers", path=name, line=5) from None
     samples = int(head["samples"])
-    of_layers, of_cell = (
-        Estimate(float(value), float(error), samples, 0) for value, error in (tension.groups()[1:3], tension.groups()[3:])
-    )
+    numbers = [float(word) for word in tension.groups()[1:]]
+    of_layers, of_cell = (Estimate(value, error, samples, 0) for value, error in (numbers[:2], numbers[2:]))
     parts = list(dict.fromkeys(word[: -len("_xx")] for word in columns if word.endswith("_xx")))
     return ProfileTable(
         title=head["title"],

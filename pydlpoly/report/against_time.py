@@ -108,8 +108,12 @@ def momentum(run: Run) -> Drawing | None:
     axes.set_ylim(bottom=0.0)
     _finish(run, axes, "fraction of its thermal size")
     taken = momentum_goes_to(run)
-    words = f"The total momentum drifts by at most {np.nanmax(values):.2g} of √(3 M k_B T), its size if nothing kept it."
-    words += f" It is not conserved here: {taken}." if taken is not None else " Pair forces, drag and noise conserve it."
+    words = (
+        f"The total momentum drifts by at most {np.nanmax(values):.2g} of √(3 M k_B T), its size if nothing kept it."
+    )
+    words += (
+        f" It is not conserved here: {taken}." if taken is not None else " Pair forces, drag and noise conserve it."
+    )
     head = (axis_label("time", run.units.of("time")), "fraction")
     return Drawing("momentum", "Drift of the momentum", figure, words, table_of(head, [drift.times, values]))
 
@@ -206,9 +210,7 @@ def _limits(axes: Axes, shown: list[Series], *values: float | None) -> None:
     seen = [one.values[np.isfinite(one.values)] for one in shown if one.weights is None]
     outside = sum(int(np.count_nonzero((values < low - room) | (values > high + room))) for values in seen)
     if outside:
-        axes.annotate(
-            f"{outside} outside", (1.0, 1.0), xycoords="axes fraction", ha="right", va="top", fontsize=8.5, color="#4a5560"
-        )
+        axes.text(1.0, 1.0, f"{outside} outside", transform=axes.transAxes, ha="right", va="top", fontsize=8.5)
 
 
 def _in_words(series: Series) -> str:

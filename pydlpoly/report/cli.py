@@ -10,7 +10,7 @@ import typer
 from pydlpoly.bench.plot import save_figure
 from pydlpoly.errors import InputError, suggest
 from pydlpoly.report.against_time import one_quantity
-from pydlpoly.report.collect import collect
+from pydlpoly.report.collect import collect_run
 from pydlpoly.report.figures import FIGURES, draw
 from pydlpoly.report.page import write_report
 from pydlpoly.report.series import all_series
@@ -47,13 +47,14 @@ def plot_command(
     ] = None,
     *,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Picture to write: .png, .svg or .pdf (default: QUANTITY.png).")
+        Path | None,
+        typer.Option("--output", "-o", help="Picture: .png, .svg or .pdf (default: QUANTITY.png)."),
     ] = None,
     inputs: Inputs = None,
 ) -> None:
     """Draw one quantity of a run: a figure of the report, or any column of STATIS or DIAGNOSTICS against time."""
     check_packages()
-    run = collect(folder, inputs)
+    run = collect_run(folder, inputs)
     if quantity is None:
         names = [name for name in FIGURES if draw(run, name) is not None]
         typer.echo("figures: " + ", ".join(names or ["none"]))
@@ -70,8 +71,8 @@ def plot_command(
     if drawing is None:
         if quantity in FIGURES:
             raise InputError("the files of this folder do not hold it", path=str(folder), word=quantity)
-        known = [*FIGURES, *all_series(run)]
-        raise InputError(f"is nothing that can be drawn here{suggest(quantity, known)}", path=str(folder), word=quantity)
+        near = suggest(quantity, [*FIGURES, *all_series(run)])
+        raise InputError(f"is nothing that can be drawn here{near}", path=str(folder), word=quantity)
     drawing.figure.set_dpi(_DOTS_PER_INCH)
     with look():
         save_figure(drawing.figure, path)

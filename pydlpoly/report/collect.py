@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numpy as np
 from numpy.typing import NDArray
 
 from pydlpoly.errors import InputError, PydlpolyError
@@ -184,7 +183,7 @@ class Run:
         return self.log.temperatures["thermostat"][0] if self.log and "thermostat" in self.log.temperatures else None
 
 
-def collect(folder: str | Path, inputs: str | Path | None = None) -> Run:
+def collect_run(folder: str | Path, inputs: str | Path | None = None) -> Run:
     """Read the files of a run.
 
     Args:

@@ -14,10 +14,10 @@ from typing import Literal
 
 import numpy as np
 
-from pydlpoly.formats.blocks import three_of
+from pydlpoly.formats.blocks import block_means, three_of
 from pydlpoly.report.collect import Run
-from pydlpoly.report.series import LEAST_SAMPLES, Average, Series, all_series, change_and_chance
-from pydlpoly.temperatures import TOLERATED
+from pydlpoly.report.series import LEAST_SAMPLES, Average, Series, all_series, change_and_chance, trend_and_chance
+from pydlpoly.temperatures import TOLERATED, change_over
 from pydlpoly.tradeoff.statistics import slope_and_error
 
 Level = Literal["warning", "note", "fine", "unknown"]
@@ -27,6 +27,8 @@ PRESSURE_ERROR, PRESSURE_CHANGE = 0.05, 0.02
 MOMENTUM = 1e-3
 ENERGY = 0.01
 REPORTERS = 0.25
+LEAST_INDEPENDENT = 4.0
+EQUILIBRATION = 0.05
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,7 @@ class Evidence:
         return f"{value:.5g} {self.units.of(kind)}".rstrip()
 
 
-def judge(run: Run) -> list[Finding]:
+def judge_run(run: Run) -> list[Finding]:
     """Return what all checks find, warnings first."""
     evidence = Evidence(run)
     found = [finding for check in CHECKS for finding in check(evidence)]
@@ -104,9 +106,9 @@ def anything_there(evidence: Evidence) -> list[Finding]:
             advice = "name the folder that `pydlpoly run` wrote into (its `--output`)"
         return [Finding("warning", "Nothing was run", text, advice)]
     if run.statistics is None and not any(problem.file == "STATIS" for problem in run.problems):
-        return [_unknown("Statistics", "there is no STATIS: no averages, no pressure, no energies", "`stats_frequency`")]
+        return [_unknown("Statistics", "there is no STATIS: no averages of pressure and energies", "`stats_frequency`")]
     if run.statistics is not None and not len(run.statistics):
-        return [Finding("warning", "Statistics", "STATIS holds no record", "was the run killed at its start?")]
+        return [Finding("warning", "Statistics", "STATIS holds no record: the run was killed at its start")]
     return []
 
 
@@ -140,8 +142,8 @@ def kinetic_temperature(evidence: Evidence) -> list[Finding]:
     """More than 1 % and more than the error from the thermostat's temperature.
 
     Groot and Warren (J. Chem. Phys. 107, 4423 (1997)) judge timesteps by this rise; 1 % is the error that ``pydlpoly
-    tradeoff`` aims at unless told otherwise. A mean that is off by four standard deviations of a single step is no chance,
-    however few samples there are.
+    tradeoff`` aims at unless told otherwise. A mean that is off by four standard deviations of a single step is no
+    chance, however few samples there are.
     """
     target, average = evidence.run.target_temperature, evidence.kinetic()
     if target is None:
@@ -185,6 +187,32 @@ def configurational_temperature(evidence: Evidence) -> list[Finding]:
     return [Finding("warning", "Configurational temperature", text, advice)]
 
 
+def equilibrated(evidence: Evidence) -> list[Finding]:
+    """A straight line through temperature or potential energy that changes by 2 % of T, or 5 % of k_B T a bead.
+
+    2 % is what the run's own warning tolerates (``pydlpoly.temperatures.TOLERATED``); 5 % of k_B T a bead is about as
+    much: 2 % of T is 3 % of k_B T in kinetic energy.
+    """
+    run, scene = evidence.run, evidence.run.scene
+    if scene is None or scene.dynamics.schedule is not None or scene.dynamics.thermal_energy <= 0.0:
+        return []
+    target = scene.dynamics.thermal_energy / scene.units.boltzmann
+    energy = scene.dynamics.thermal_energy / scene.units.factor
+    found = []
+    for name, label, kind, limit in (
+        ("temperature", "the kinetic temperature", "temperature", TOLERATED * target),
+        ("configurational_energy", "the potential energy per bead", "energy", EQUILIBRATION * energy),
+    ):
+        series = evidence.series.get(name)
+        change, chance = trend_and_chance(series) if series is not None and run.beads else (0.0, math.inf)
+        if abs(change) > max(limit, chance):
+            way, unit = "rises" if change > 0.0 else "falls", f" {evidence.units.of(kind)}".rstrip()
+            found.append(f"{label} still {way}, by about {abs(change):.2g}{unit} over the samples")
+    if not found:
+        return []
+    return [Finding("warning", "Not equilibrated", " and ".join(found), "a longer `time_equilibration`")]
+
+
 def momentum(evidence: Evidence) -> list[Finding]:
     """A total momentum that grows to more than 1/1000 of √(3 M k_B T), what it would be if nothing conserved it.
 
@@ -208,12 +236,14 @@ def momentum(evidence: Evidence) -> list[Finding]:
         return [_unknown("Momentum", "it was not recorded", "`diagnostics_frequency`")]
     if largest > MOMENTUM or not math.isfinite(largest):
         text = f"the total momentum has drifted to {largest:.2g} of its thermal size √(3 M k_B T)"
-        return [Finding("warning", "Momentum", f"{text}, though pair forces conserve it: something else moves the beads")]
+        return [
+            Finding("warning", "Momentum", f"{text}, though pair forces conserve it: something else moves the beads")
+        ]
     return [Finding("fine", "Momentum", f"conserved: it drifts by at most {largest:.1g} of √(3 M k_B T)")]
 
 
 def energy_drift(evidence: Evidence) -> list[Finding]:
-    """With nve, a drift of the total energy by more than 1 % of k_B T per bead over the run, and by more than its error.
+    """With nve, a drift of the total energy by more than 1 % of k_B T per bead over the run, and than its error.
 
     1 % of k_B T is a change of the temperature by at most as much: where it all went into motion, 2/3 of a per cent.
     """
@@ -232,16 +262,16 @@ def energy_drift(evidence: Evidence) -> list[Finding]:
     change = slope * span / thermal if thermal > 0.0 else math.inf
     text = f"the total energy changes by {change:.2g} k_B T per bead over {evidence.number(span, 'time')}"
     if abs(change) > ENERGY and abs(slope) > chance:
-        advice = f"a shorter `timestep`, or laws that end smoothly (`vdw_force_shift`); `pydlpoly tradeoff {evidence.folder}`"
-        return [Finding("warning", "Energy drift", text, advice)]
+        advice = "a shorter `timestep`, or laws that end smoothly (`vdw_force_shift`)"
+        return [Finding("warning", "Energy drift", text, f"{advice}; `pydlpoly tradeoff {evidence.folder}`")]
     return [Finding("fine", "Energy drift", text)]
 
 
 def pressure(evidence: Evidence) -> list[Finding]:
     """A pressure whose halves differ by more than 2 % and than chance, or whose error is above 5 %.
 
-    2 % of the pressure of DPD water (23.7, κ⁻¹ ≈ 16, Groot and Warren 1997) is what 1 % of its density makes; 5 % is where
-    a mean hardly has two digits.
+    2 % of the pressure of DPD water (23.7, κ⁻¹ ≈ 16, Groot and Warren 1997) is what 1 % of its density makes; 5 % is
+    where a mean hardly has two digits.
     """
     series, average = evidence.series.get("pressure"), evidence.average("pressure")
     if series is None or average is None or not average.known:
@@ -273,17 +303,15 @@ def enough_samples(evidence: Evidence) -> list[Finding]:
         text = f"STATIS has no record after the equilibration ({run.equilibration} steps): there are no averages"
         return [Finding("warning", "Too short", text, more)]
     if count < LEAST_SAMPLES:
-        return [Finding("warning", "Too short", f"{count} samples after the equilibration are too few for errors", more)]
+        text = f"{count} samples after the equilibration are too few for errors"
+        return [Finding("warning", "Too short", text, more)]
     assert series is not None
-    values = series.values[series.counted]
-    spread = float(np.std(values))
-    average = series.average()
-    independent = (spread / average.error) ** 2 if average.error > 0.0 else float(count)
-    if independent < 4.0:
+    independent = _independent(series)
+    if independent < LEAST_INDEPENDENT:
         text = f"{count} samples of the pressure are worth about {max(independent, 1.0):.0f} independent ones: too few"
         return [Finding("warning", "Too short", text, "a longer `time_run`")]
-    independent = min(independent, float(count))
-    return [Finding("fine", "Samples", f"{count} samples, worth about {independent:.0f} independent ones of the pressure")]
+    text = f"{count} samples, worth about {independent:.0f} independent ones of the pressure"
+    return [Finding("fine", "Samples", text)]
 
 
 def finite(evidence: Evidence) -> list[Finding]:
@@ -342,6 +370,7 @@ CHECKS: tuple[Callable[[Evidence], list[Finding]], ...] = (
     finite,
     kinetic_temperature,
     configurational_temperature,
+    equilibrated,
     energy_drift,
     momentum,
     pressure,
@@ -384,15 +413,29 @@ def _cause(evidence: Evidence, name: str, off: float) -> tuple[str, str]:
     """The likely cause of a temperature that is off, and what to do."""
     run, scene = evidence.run, evidence.run.scene
     series = evidence.series.get(name)
-    change, chance = change_and_chance(series) if series is not None else (0.0, math.inf)
-    if abs(change) > chance and abs(change) > 0.5 * abs(off):
+    values = series.values[series.counted] if series is not None else np.zeros(0)
+    values = block_means(values[np.isfinite(values)])
+    change = change_over(values) if len(values) >= 4 else 0.0
+    if abs(change) > 0.5 * abs(off):  # as the run's own warning has it
         return "it still changes, the run is not equilibrated", "a longer `time_equilibration`"
+    heat = "heats the beads faster than they lose heat, or the timestep is too long"
     if scene is not None and scene.external:
-        return "an external field heats the beads faster than they lose heat, or the timestep is too long", _shorter(run)
+        return f"an external field {heat}", _shorter(run)
     if scene is not None and scene.dynamics.shear_rate != 0.0:
-        return "shear heats the beads faster than they lose heat, or the timestep is too long", _shorter(run)
+        return f"shear {heat}", _shorter(run)
     step = f" ({evidence.number(run.timestep, 'time')})" if run.timestep else ""
+    if run.equilibration == 0 or series is None or _independent(series) < LEAST_INDEPENDENT:
+        step += ", or the run is not equilibrated"
     return f"timestep too long{step}", _shorter(run)
+
+
+def _independent(series: Series) -> float:
+    """How many independent samples those that count are worth: their variance over the squared error of the mean."""
+    average = series.average()
+    if not average.samples:
+        return 0.0
+    variance = float(np.nanvar(series.values[series.counted]))
+    return min(float(average.samples), variance / average.error**2) if average.error > 0.0 else float(average.samples)
 
 
 def _shorter(run: Run) -> str:
@@ -422,7 +465,8 @@ def _unknown(subject: str, text: str, keyword: str = "") -> Finding:
 
 
 def _percent(off: float) -> str:
-    return f"{100.0 * abs(off):.2g} % {'high' if off > 0.0 else 'low'}"
+    size = 100.0 * abs(off)
+    return f"{size:.{1 if size < 10.0 else 0}f} % {'high' if off > 0.0 else 'low'}"
 
 
 def _mean(evidence: Evidence, average: Average, kind: str) -> str:

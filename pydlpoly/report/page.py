@@ -14,9 +14,9 @@ import numpy as np
 
 from pydlpoly import __version__
 from pydlpoly.formats.atomic import replace_file
-from pydlpoly.report.collect import Run, collect
+from pydlpoly.report.collect import Run, collect_run
 from pydlpoly.report.figures import FIGURES, draw
-from pydlpoly.report.judge import Evidence, Finding, judge, with_error
+from pydlpoly.report.judge import Evidence, Finding, judge_run, with_error
 from pydlpoly.report.speed import steps_a_second
 from pydlpoly.report.style import Drawing, Table, axis_label, check_packages, svg
 
@@ -74,8 +74,8 @@ def write_report(
         RunError: the file cannot be written.
     """
     check_packages(template=True)
-    run = collect(folder, inputs)
-    findings = judge(run)
+    run = collect_run(folder, inputs)
+    findings = judge_run(run)
     target = Path(path) if path is not None else Path(folder) / "report.html"
     replace_file(target, render(run, findings))
     return target, findings
@@ -91,7 +91,7 @@ def render(run: Run, findings: list[Finding]) -> str:
     template = environment.from_string((resources.files("pydlpoly.report") / "template.html").read_text("utf-8"))
     return template.render(
         title=run.title,
-        folder=str(run.folder.resolve()),
+        folder=str(run.folder),
         version=__version__,
         made=datetime.now().astimezone().strftime("%Y-%m-%d %H:%M"),
         status=_status(run, findings),
@@ -117,7 +117,7 @@ def _shown(drawing: Drawing | None) -> Shown | None:
         return None
     label = escape(f"{drawing.title}. {drawing.caption}")
     picture = svg(drawing.figure, drawing.name).replace("<svg", f'<svg role="img" aria-label="{label}"', 1)
-    return Shown(drawing.name, drawing.title, drawing.caption, Markup(picture), drawing.table)  # noqa: S704
+    return Shown(drawing.name, drawing.title, drawing.caption, Markup(picture), drawing.table)
 
 
 def _commands(text: str) -> Markup:
@@ -145,7 +145,8 @@ def _facts(run: Run) -> list[tuple[str, str]]:
         species = ""
         if scene is not None:
             amounts = (int((scene.beads.species == k).sum()) for k in range(len(scene.species)))
-            species = " (" + ", ".join(f"{count} {name}" for count, name in zip(amounts, scene.species, strict=True)) + ")"
+            named = (f"{count} {name}" for count, name in zip(amounts, scene.species, strict=True))
+            species = f" ({', '.join(named)})"
         facts.append(("beads", f"{run.beads}{species}"))
     if scene is not None:
         facts.append(("integrator", scene.dynamics.integrator))
@@ -166,7 +167,8 @@ def _facts(run: Run) -> list[tuple[str, str]]:
         facts.append(("time for the steps", f"{run.log.loop_seconds:.4g} s"))
     if run.log is not None and run.log.threads is not None:
         facts += [("threads", str(run.log.threads)), ("seed", str(run.log.seed))]
-    facts.append(("units", "reduced, k_B = 1" if units.reduced else f"{units.energy}, K, katm, ps, Å".removeprefix(", ")))
+    words = ("reduced, k_B = 1",) if units.reduced else (units.energy, "K", "katm", "ps", "Å")
+    facts.append(("units", ", ".join(word for word in words if word)))
     return facts
 
 

@@ -1,4 +1,4 @@
-"""Pictures of configurations: beads as discs, far ones first and paler, in parallel projection, with the cell's edges."""
+"""Pictures of configurations in parallel projection: beads as discs, far ones first and paler, and the cell's edges."""
 
 from __future__ import annotations
 
@@ -10,14 +10,16 @@ import numpy as np
 from pydlpoly.formats.records import FloatArray, IntArray
 from pydlpoly.report.collect import Run
 from pydlpoly.report.snapshots import Snapshot
-from pydlpoly.report.style import WIDTH, Drawing
+from pydlpoly.report.style import WIDTH, Drawing, columns_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 MOST_BEADS = 50_000
 _TURN, _TILT = np.radians(28.0), np.radians(14.0)
 _PALEST = 0.6  # how far the colour of the farthest beads goes towards white
+_HANDLE = 8  # letters that a disc of the legend is wide, with the room about it
 _DISC = 0.46  # radius in units of the mean distance of beads, (V/N)^(1/3)
 # Colour of a bead and of the mark on it: told apart by lightness, and by the mark where colours cannot be seen.
 _COLOURS = ("#0072B2", "#F0C45A", "#D55E00", "#7FD1B0", "#5A3A72", "#BFC7CE", "#8A1F3D", "#EFB6D0")
@@ -50,7 +52,7 @@ def start_frame(run: Run) -> Drawing | None:
 
 
 def hidden_species(run: Run, snapshot: Snapshot) -> str | None:
-    """Return the species that hides the others: of single beads, mobile, without charge, and the most abundant of those.
+    """Return the species that hides the others: the most abundant of single beads that are mobile and uncharged.
 
     None when it is the only species, or when it is not known which beads are single ones.
     """
@@ -79,13 +81,12 @@ def _drawing(run: Run, snapshot: Snapshot, name: str, title: str) -> Drawing | N
     view = _view(places[shown], snapshot.kinds[shown])
     drawn = len(view.kinds)
     corners = _corners(snapshot, places[finite])
-    figure = _figure(corners)
-    axes = figure.add_axes((0.01, _legend_height(snapshot, figure.get_size_inches()[1]), 0.98, 0.0))
-    height = 1.0 - axes.get_position().y0 - 0.01
-    axes.set_position((0.01, axes.get_position().y0, 0.98, height))
-    _paint(axes, snapshot, view, corners, _spacing(snapshot, places[finite]))
     present = [k for k in range(len(snapshot.species)) if np.any(view.kinds == k)]
-    _legend(axes, [snapshot.species[k] for k in present], present)
+    names = [snapshot.species[k] for k in present]
+    columns = columns_of(names, _HANDLE)
+    figure, axes = _figure(corners, 0.12 + 0.23 * -(-len(names) // columns))
+    _paint(axes, snapshot, view, corners, _spacing(snapshot, places[finite]))
+    _legend(axes, names, present, columns)
     amounts = ", ".join(f"{int(np.sum(snapshot.kinds == k))} {name}" for k, name in enumerate(snapshot.species))
     words = [f"{len(snapshot.kinds)} beads: {amounts}; from {snapshot.file}. The lines are the cell's edges."]
     if hidden is not None:
@@ -108,7 +109,7 @@ def wrapped(snapshot: Snapshot) -> FloatArray:
 
 
 def _axes_of_view() -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Unit vectors to the right, up, and towards the viewer, who looks from the front, a little from the right and above."""
+    """Unit vectors to the right, up, and towards the viewer, who looks from the front, from the right and above."""
     right = np.array([np.cos(_TURN), np.sin(_TURN), 0.0])
     front = np.array([np.sin(_TURN), -np.cos(_TURN), 0.0])
     towards = np.cos(_TILT) * front + np.sin(_TILT) * np.array([0.0, 0.0, 1.0])
@@ -140,17 +141,15 @@ def _spacing(snapshot: Snapshot, places: FloatArray) -> float:
     return float(max(volume / len(snapshot.kinds), 1e-30) ** (1.0 / 3.0))
 
 
-def _figure(corners: FloatArray):  # type: ignore[no-untyped-def] # matplotlib is imported late
+def _figure(corners: FloatArray, below: float) -> tuple[Figure, Axes]:
+    """A figure in the shape of the cell as it is seen, with so many inches below for the legend."""
     from matplotlib.figure import Figure
 
     right, up, _ = _axes_of_view()
     wide, high = float(np.ptp(corners @ right)), float(np.ptp(corners @ up))
-    height = WIDTH * min(max(high / max(wide, 1e-30), 0.4), 1.6)
-    return Figure(figsize=(WIDTH, height + 0.35))
-
-
-def _legend_height(snapshot: Snapshot, height: float) -> float:
-    return 0.3 * (1 + (len(snapshot.species) - 1) // 6) / height
+    above = WIDTH * min(max(high / max(wide, 1e-30), 0.4), 1.6)
+    figure = Figure(figsize=(WIDTH, above + below))
+    return figure, figure.add_axes((0.01, below / (above + below), 0.98, 0.99 * above / (above + below)))
 
 
 def _paint(axes: Axes, snapshot: Snapshot, view: _View, corners: FloatArray, spacing: float) -> None:
@@ -210,20 +209,19 @@ def _with_marks(
     return widths, colours, np.repeat(rims, 2, axis=0)
 
 
-def _legend(axes: Axes, names: list[str], kinds: list[int]) -> None:
+def _legend(axes: Axes, names: list[str], kinds: list[int], columns: int) -> None:
     """Discs as in the picture, below it."""
     from matplotlib.colors import to_rgb
     from matplotlib.lines import Line2D
 
     handles: list[tuple[Line2D, ...]] = []
     for k in kinds:
-        colour = _COLOURS[k % len(_COLOURS)]
-        rim = tuple(0.55 * part for part in to_rgb(colour))
+        colour, mark = _COLOURS[k % len(_COLOURS)], _MARKS[k % len(_MARKS)]
+        red, green, blue = to_rgb(colour)
+        rim = (0.55 * red, 0.55 * green, 0.55 * blue)
         disc = Line2D([], [], linestyle="", marker="o", markersize=9, color=colour, markeredgecolor=rim)
-        mark = _MARKS[k % len(_MARKS)]
-        inside = rim if mark == "dot" else colour
-        inner = Line2D([], [], linestyle="", marker="o", markersize=3 if mark == "dot" else 4.5, color=inside)
-        inner.set_markeredgecolor(rim)
+        inner = Line2D([], [], linestyle="", marker="o", markersize=3 if mark == "dot" else 4.5, markeredgecolor=rim)
+        inner.set_markerfacecolor(rim if mark == "dot" else colour)
         handles.append((disc, inner) if mark else (disc,))
     if handles:
-        axes.legend(handles, names, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=6, handletextpad=0.2)
+        axes.legend(handles, names, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=columns, handletextpad=0.2)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pydlpoly.errors import InputError, suggest
-from pydlpoly.formats.blocks import beyond_chance, block_means, standard_error
+from pydlpoly.formats.blocks import beyond_chance, block_means, line_through, standard_error, three_of
 from pydlpoly.formats.diagnostics import COLUMNS
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.formats.statis import STATISTICS_NAMES
@@ -129,7 +129,15 @@ def _of_diagnostics(run: Run, units: Units) -> dict[str, Series]:
     counted = columns["step"] > run.equilibration
     kinds = {column.name: column.kind for column in COLUMNS}
     found = {
-        name: Series(name, name.replace("_", " "), kinds.get(name, ""), units.of(kinds.get(name, "")), columns["time"], values, counted)
+        name: Series(
+            name,
+            name.replace("_", " "),
+            kinds.get(name, ""),
+            units.of(kinds.get(name, "")),
+            columns["time"],
+            values,
+            counted,
+        )
         for name, values in columns.items()
         if name not in ("step", "time")
     }
@@ -154,6 +162,17 @@ def _extra_label(name: str) -> str:
     if name.startswith("msd_"):
         return f"mean-square displacement of {name[4:]}"
     return name.replace("_", " ")
+
+
+def trend_and_chance(series: Series) -> tuple[float, float]:
+    """Return the change of a straight line through the samples that count, and what chance allows."""
+    chosen = series.counted & np.isfinite(series.values)
+    times, values = block_means(series.times[chosen]), block_means(series.values[chosen])
+    if int(chosen.sum()) < LEAST_SAMPLES:
+        return 0.0, math.inf
+    slope, error = line_through(times, values)
+    span = float(times[-1] - times[0])
+    return slope * span, three_of(len(values) - 2) * error * span
 
 
 def change_and_chance(series: Series) -> tuple[float, float]:

@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -81,7 +81,7 @@ def look() -> Iterator[None]:
     """Have matplotlib draw in our way inside this block."""
     import matplotlib
 
-    settings = {
+    settings: dict[Any, Any] = {
         "font.family": "sans-serif",
         "font.size": 10.0,
         "axes.labelsize": 10.0,
@@ -130,14 +130,15 @@ def line(axes: Axes, k: int, x: FloatArray, y: FloatArray, label: str) -> None:
 def legend(axes: Axes) -> None:
     """Put the legend above the axes, where it hides nothing, in as many columns as have room."""
     _, labels = axes.get_legend_handles_labels()
-    columns = max((n for n in range(1, 1 + len(labels)) if _letters(labels, n) <= _LETTERS), default=1)
+    columns = columns_of(labels, 9)
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2, columnspacing=1.2)
 
 
-def _letters(labels: Sequence[str], columns: int) -> int:
-    """Letters in a row of a legend of so many columns, a handle being as wide as nine."""
-    sizes = [len(label) for label in labels]
-    return sum(9 + int(part.max()) for part in np.array_split(sizes, columns))  # as matplotlib fills columns
+def columns_of(labels: Sequence[str], handle: int) -> int:
+    """Return how many columns of a legend have room, a handle being as wide as so many letters."""
+    sizes = [len(label) + handle for label in labels]
+    fits = (n for n in range(1, 1 + len(sizes)) if sum(int(max(p)) for p in np.array_split(sizes, n)) <= _LETTERS)
+    return max(fits, default=1)  # columns as matplotlib fills them
 
 
 def thinned(x: FloatArray, y: FloatArray, most: int = _POINTS) -> tuple[FloatArray, FloatArray]:
@@ -188,7 +189,9 @@ def _smaller(encoded: str) -> str:
     from PIL import Image
 
     with Image.open(io.BytesIO(base64.b64decode(encoded))) as image:
-        reduced = image.convert("RGBA").quantize(colors=_COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+        reduced = image.convert("RGBA").quantize(
+            colors=_COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE
+        )
         stream = io.BytesIO()
         reduced.save(stream, "PNG", optimize=True)
     return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode("ascii")

@@ -1,7 +1,7 @@
 """A page in headless Chromium: what its console says, whether it fits into a window, and a picture of it.
 
-The page itself has no script. It is shown in a frame of the wanted width inside a wrapper of ours, whose script looks at
-the frame; Chromium's own smallest width of a window does not matter so.
+The page itself has no script. It is shown in a frame of the wanted width inside a wrapper of ours, whose script looks
+at the frame; Chromium's own smallest width of a window does not matter so.
 """
 
 from __future__ import annotations
@@ -37,7 +37,8 @@ window.addEventListener("load", () => {{
       smallest: Math.min(...letters.map(b => Math.min(b.height, b.width + 99))),
       outside: letters.filter(b => b.left < box.left - 3 || b.right > box.right + 3).length }}]; }}));
   document.getElementById("told").textContent = JSON.stringify({{ scroll: root.scrollWidth, client: root.clientWidth,
-    height: root.scrollHeight, text: page.body.innerText, scripts: page.querySelectorAll("script").length, wide, figures }});
+    height: root.scrollHeight, text: page.body.innerText, scripts: page.querySelectorAll("script").length,
+    wide, figures }});
 }});
 </script></body></html>
 """
@@ -53,7 +54,9 @@ class Seen:
 
 def chromium() -> str | None:
     """The browser, None when there is none."""
-    return next((path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None)
+    return next(
+        (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None
+    )
 
 
 def look_at(path: Path, folder: Path, width: int, picture: Path | None = None, height: int = 900) -> Seen:

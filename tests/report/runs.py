@@ -1,4 +1,4 @@
-"""Runs whose reports are looked at: a healthy one with all files, a too hot, a killed, an empty one, one of no steps."""
+"""Runs whose reports are looked at: a healthy one with all files, too hot, killed, empty, and of no steps."""
 
 from __future__ import annotations
 

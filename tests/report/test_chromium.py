@@ -43,7 +43,9 @@ def test_the_browser_notices_what_is_wrong(reports, tmp_path: Path) -> None:
     """A page that is too wide, loads from elsewhere although it may not, and lacks a figure's content."""
     bad = tmp_path / "bad.html"
     html = reports("empty").html
-    wrong = '<p style="width:900px">wide</p><img src="https://example.org/x.png"><figure id="f"><svg></svg></figure></body>'
+    wrong = (
+        '<p style="width:900px">wide</p><img src="https://example.org/x.png"><figure id="f"><svg></svg></figure></body>'
+    )
     bad.write_text(html.replace("</body>", wrong), encoding="utf-8")
     seen = look_at(bad, tmp_path, 360)
     assert seen.page["scroll"] > seen.page["client"]
