@@ -1,9 +1,9 @@
 """Runs the shipped examples and draws the last frame of each: docs/images/example-NAME.png.
 
-``python docs/gallery.py`` runs all of them (a minute or two), with names only those. Beads are drawn along an axis of the
-cell, the farthest first and palest. The table ``picture`` of an ``example.toml`` may say: ``steps`` (those of CONTROL
-without it), ``along`` (x, y or z, y without it), ``hide`` (species that are left out), ``colour`` (``species``, or ``vx``,
-the velocity along x).
+``python docs/gallery.py`` runs all of them (a minute or two), with names only those. Beads are drawn along an axis of
+the cell, the farthest first and palest. The table ``picture`` of an ``example.toml`` may say: ``steps`` (those of
+CONTROL without it), ``along`` (x, y or z; y without it), ``hide`` (species that are left out), ``colour`` (``species``,
+or ``vx``, the velocity along x).
 """
 
 from __future__ import annotations

@@ -138,11 +138,22 @@ def cells(row: Row, found: dict[str, tuple[float, float]]) -> list[str]:
     """Return a row's cells: quantity, published, source, ours, their difference, test."""
     value, error = found[row.key]
     published = plain(row.value) + (f" ± {plain(row.error)}" if row.error else "")
-    exact = error <= 0.0 and row.error <= 0.0
+    return [
+        row.quantity,
+        published,
+        row.source,
+        with_error(value, error, row.digits),
+        difference(row, value, error),
+        f"`{row.test}`" if row.test else "",
+    ]
+
+
+def difference(row: Row, value: float, error: float) -> str:
+    """Return ours less theirs in combined standard errors; in per cent where theirs has no error, blank if exact."""
     apart = value - row.value
-    difference = "" if exact else f"{apart / math.hypot(error, row.error):+.1f}"
-    ours = with_error(value, error, row.digits)
-    return [row.quantity, published, row.source, ours, difference, f"`{row.test}`" if row.test else ""]
+    if row.error:
+        return f"{apart / math.hypot(error, row.error):+.1f}"
+    return f"{100.0 * apart / row.value:+.1f} %" if error else ""
 
 
 def table(found: dict[str, tuple[float, float]]) -> str:

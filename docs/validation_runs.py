@@ -251,11 +251,11 @@ def electrolyte() -> Found:
 
 
 def lipids() -> Found:
-    """Averages over 10000 steps of DL_MESO's lipids after 20000; errors are the fluctuations, as DL_MESO gives them."""
+    """Averages over 4000 steps of DL_MESO's lipids after 10000; errors are the fluctuations, as DL_MESO gives them."""
     simulation = Simulation(load(ROOT.parent / "shared" / "inputs" / "dl_meso" / "lipid"), seed=11, threads=1)
-    simulation.run(20000)
+    simulation.run(10000)
     rows = []
-    for _ in range(400):
+    for _ in range(160):
         simulation.run(25)
         seen = simulation.observe()
         energies = [

@@ -146,10 +146,9 @@ def examples(
 def listing(every: list[Example]) -> list[str]:
     """Return the lines that list examples: name, beads, time relative to water, and what there is to see."""
     width = max(len(one.name) for one in every)
-    lines = [f"{'example':{width}}  {'beads':>6}  {'time':>5}  shows"]
-    for one in every:
-        lines.append(f"{one.name:{width}}  {one.beads:6d}  {relative_cost(one):>5}  {one.shows}")
-    return [*lines, "time: of the whole run, water = 1. Copy one with: pydlpoly examples NAME -o FOLDER"]
+    head = f"{'example':{width}}  {'beads':>6}  {'time':>5}  shows"
+    rows = [f"{one.name:{width}}  {one.beads:6d}  {relative_cost(one):>5}  {one.shows}" for one in every]
+    return [head, *rows, "time: of the whole run, water = 1. Copy one with: pydlpoly examples NAME -o FOLDER"]
 
 
 def relative_cost(one: Example) -> str:
