@@ -127,9 +127,12 @@ class ProcessTeam:
         described = []
         for link in links:
             try:
-                described.append((link.recv(), link))
+                answer = link.recv()
             except (EOFError, OSError):
                 raise RunError(self._obituary("LAMMPS did not start")) from None
+            if isinstance(answer, Failure):
+                raise InputError(answer.text)
+            described.append((answer, link))
         found = described[0][0]
         if found["ranks"] != self.ranks:
             raise InputError(
@@ -245,7 +248,10 @@ class JobTeam:
         """Have every rank do a command; return the answers by rank."""
         if self._worker is None:
             self._comm.bcast(("switches", self._switches))
-            self._worker = Worker(self._switches)
+            try:
+                self._worker = Worker(self._switches)
+            except Failure as failure:
+                raise InputError(failure.text) from None
             self.version = self._worker.description()["version"]
         self._comm.bcast(command)
         answers = [_answer(self._worker, command, self._comm)]
@@ -285,7 +291,8 @@ def serve_job() -> NoReturn:
     worker: Worker | None = None
     for command in _commands(comm):
         if command[0] == "switches":
-            worker = Worker(command[1])
+            with suppress(Failure):  # rank 0 says it
+                worker = Worker(command[1])
         elif worker is not None:
             comm.send(_answer(worker, command, comm), dest=0)
     sys.exit(0)

