@@ -176,7 +176,7 @@ class LammpsEngine:
         InputError: LAMMPS, mpiexec or mpi4py is missing, or the options contradict the job.
     """
 
-    def __init__(self, scene: Scene, *, seed: int, threads: int, options: EngineOptions = EngineOptions()) -> None:
+    def __init__(self, scene: Scene, *, seed: int, threads: int, options: EngineOptions) -> None:
         switches = switches_of(options.accelerator)
         self._job = job = enter_job(switches)
         ranks = _ranks(options, job)

@@ -124,19 +124,28 @@ def main(arguments: list[str]) -> int:
     except Failure as failure:
         front.send(failure)
         return 1
-    front.send(worker.description())
-    while True:
-        try:
-            command = front.recv()
-            if command[0] == "end":
-                return 0
-            try:
-                answer = worker.answer(command)
-            except Failure as failure:
-                answer = failure
-            front.send(answer)
-        except (EOFError, OSError):
-            return 1
+    try:
+        front.send(worker.description())
+        _serve(front, worker)
+    except (EOFError, OSError):
+        return 1
+    return 0
+
+
+def _serve(front: Connection, worker: Worker) -> None:
+    """Answer commands until the one that ends the rank. Raises EOFError or OSError when the front is gone."""
+    command = front.recv()
+    while command[0] != "end":
+        front.send(answer_of(worker, command))
+        command = front.recv()
+
+
+def answer_of(worker: Worker, command: tuple[Any, ...]) -> Any:
+    """Return what a command is answered with; a Failure where LAMMPS stops."""
+    try:
+        return worker.answer(command)
+    except Failure as failure:
+        return failure
 
 
 if __name__ == "__main__":

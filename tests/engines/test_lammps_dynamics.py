@@ -211,7 +211,7 @@ def electrolyte() -> Scene:
 AVERAGED = {
     "water": (water, 300, 2400),
     "mixture": (fluid_mixture, 300, 2400),
-    "lipid": (lipid, 200, 600),
+    "lipid": (lipid, 800, 1000),
     "charged": (electrolyte, 300, 1200),
 }
 

@@ -257,7 +257,6 @@ def test_every_bonded_law_is_translated_or_refused_with_a_reason() -> None:
         assert BONDED_STYLES.get((law["kind"], law["key"])) is not None or why_refused(law["kind"], law["key"])
 
 
-
 def test_tables_are_refused() -> None:
     scene = law_scene("lj")
     table = dataclasses.replace(scene.pairs[0], law="tab", parameters=(), table=np.ones((2, 9)), table_spacing=0.1)

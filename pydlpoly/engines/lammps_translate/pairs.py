@@ -103,9 +103,7 @@ PAIR_STYLES: dict[str, PairStyle | None] = {
     "hbnd": PairStyle("{A}/r^12-{B}/r^10"),
     "mors": PairStyle(_MORSE, "morse", lambda p, rc: (p[0], p[2], p[1], rc)),
     "mstw": PairStyle(f"{_MORSE}+{{c}}/r^12"),
-    "wca": PairStyle(
-        "4*{eps}*(({sig}/(r-{D}))^12-({sig}/(r-{D}))^6)+{eps}", "lj/expand", _wca, modify="shift yes"
-    ),
+    "wca": PairStyle("4*{eps}*(({sig}/(r-{D}))^12-({sig}/(r-{D}))^6)+{eps}", "lj/expand", _wca, modify="shift yes"),
     "ndpd": PairStyle("{A}*{b}*{rc}/({n}+1)*(1-r/{rc})^({n}+1)-{A}*{rc}/2*(1-r/{rc})^2"),
     "14-7": PairStyle("{eps}*(1.07/(r/{r0}+0.07))^7*(1.12/((r/{r0})^7+0.12)-2)"),
     "ryd": PairStyle("({a}+{b}*r)*exp(-r/{rho})"),
@@ -187,11 +185,12 @@ def formula_of(pair: PairTerm) -> str:
     entry = PAIR_STYLES[pair.law]
     assert entry is not None
     text = fill(entry.formula, **_numbers(pair))
-    if pair.force_shift and pair_laws()[pair.law].shiftable:
-        if "ri" not in pair_laws()[pair.law].parameter_names:  # a taper leads energy and force to zero by itself
-            # The law is asked beyond its cutoff: at the cutoff itself it is over.
-            energy, force = _core.evaluate_pair(pair.law, list(pair.parameters), 2.0 * pair.cutoff, [pair.cutoff])
-            text += f"-{term(float(energy[0]))}+{term(float(force[0]))}*(r-{term(pair.cutoff)})"
+    law = pair_laws()[pair.law]
+    # A taper leads energy and force to zero by itself.
+    if pair.force_shift and law.shiftable and "ri" not in law.parameter_names:
+        # The law is asked beyond its cutoff: at the cutoff itself it is over.
+        energy, force = _core.evaluate_pair(pair.law, list(pair.parameters), 2.0 * pair.cutoff, [pair.cutoff])
+        text += f"-{term(float(energy[0]))}+{term(float(force[0]))}*(r-{term(pair.cutoff)})"
     return text
 
 
@@ -243,9 +242,7 @@ def _shifted_n_m(given: dict[str, float]) -> dict[str, float]:
     n, m, reach = given["n"], given["m"], given["rc"]
     g = reach / given["r0"]
     beta = g * ((g ** (m + 1.0) - 1.0) / (g ** (n + 1.0) - 1.0)) ** (1.0 / (n - m))
-    alpha = (m - n) / (
-        m * beta**n * (1.0 + (n / g - n - 1.0) / g**n) - n * beta**m * (1.0 + (m / g - m - 1.0) / g**m)
-    )
+    alpha = (m - n) / (m * beta**n * (1.0 + (n / g - n - 1.0) / g**n) - n * beta**m * (1.0 + (m / g - m - 1.0) / g**m))
     strength = alpha * given["E0"] / (n - m) * n * m
     inner, outer = strength * beta**n, strength * beta**m
     slope = (inner / g**n - outer / g**m) / reach

@@ -18,27 +18,28 @@ from pydlpoly.scene.model import Bonded, BondedTerm, Dynamics, Electrostatics, P
 
 _PLACE = re.compile(r"(?P<name>[^\s:;,]+):(?P<line>\d+)")
 
+
+def _names(words: str) -> frozenset[str]:
+    return frozenset(words.split())
+
+
 KNOWN: dict[type, frozenset[str]] = {
-    Scene: frozenset(
+    Scene: _names(
         "title units species beads cell imcon periodic pairs external cutoff vdw_cutoff dynamics run output "
         "degrees_of_freedom long_range_correction molecule_names molecule_counts field_units notes sources "
-        "source_order source_cell bonded electrostatics".split()
+        "source_order source_cell bonded electrostatics"
     ),
-    Dynamics: frozenset(
+    Dynamics: _names(
         "integrator timestep thermal_energy prediction weight_exponent tolerance passes thermostat_mass "
-        "thermostat_friction relaxation remove_drift".split()
+        "thermostat_friction relaxation remove_drift"
     ),
-    RunPlan: frozenset(
-        "steps equilibration_steps record_equilibration seed start checkpoint_file threads".split()
+    RunPlan: _names("steps equilibration_steps record_equilibration seed start checkpoint_file threads"),
+    PairTerm: _names(
+        "species law parameters cutoff force_shift drag drag_cutoff noise law_origin drag_origin explanation"
     ),
-    PairTerm: frozenset(
-        "species law parameters cutoff force_shift drag drag_cutoff noise law_origin drag_origin explanation".split()
-    ),
-    Bonded: frozenset("terms excluded scaled scales coulomb_scaled coulomb_scales".split()),
-    BondedTerm: frozenset("kind law parameters beads restraint molecule explanation".split()),
-    Electrostatics: frozenset(
-        "method keyword shape length strength cutoff alpha permittivity counts order origins".split()
-    ),
+    Bonded: _names("terms excluded scaled scales coulomb_scaled coulomb_scales"),
+    BondedTerm: _names("kind law parameters beads restraint molecule explanation"),
+    Electrostatics: _names("method keyword shape length strength cutoff alpha permittivity counts order origins"),
 }
 """The fields that are translated, or that say nothing about the motion."""
 
