@@ -222,7 +222,7 @@ def lammps_pair_laws() -> str:
         if style is None:
             rows.append([code(law["key"]), "refused", why_pair_refused(law["key"])])
             continue
-        own = f"{code(style.style)}; `lepton` for numbers that it does not take" if style.style else "`lepton`"
+        own = f"{code(style.style)}; `lepton` for other numbers" if style.sometimes else code(style.style or "lepton")
         rows.append([code(law["key"]), own, "energy, forces and virial to 1e-10"])
     return table(["pair law", "LAMMPS's style", "equal, or why not"], rows)
 

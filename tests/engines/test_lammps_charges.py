@@ -55,6 +55,10 @@ def test_ewald_sums(team: ProcessTeam, method: str, shape: str) -> None:
     assert_same_point(team, charged(method, shape, **more), 3e-5)
 
 
+def test_ewald_sums_on_two_ranks(two_ranks: ProcessTeam) -> None:
+    assert_same_point(two_ranks, charged("spme", "slater", spme_precision="1e-7", spme_nsplines="10"), 3e-5)
+
+
 @pytest.mark.parametrize("method", ["force_shifted", "spme"])
 def test_pairs_that_bonds_exclude(team: ProcessTeam, method: str) -> None:
     scene = molecule_scene(

@@ -38,7 +38,7 @@ def mixture(**more: object) -> Scene:
     )
 
 
-def assert_same_motion(scene: Scene, steps: int = 150, ranks: int = 2) -> tuple[Simulation, Simulation]:
+def assert_same_motion(scene: Scene, steps: int = 150, ranks: int = 1) -> tuple[Simulation, Simulation]:
     """Run both engines; positions, velocities and what is observed must agree while chaos is still small."""
     pair = (Simulation(scene, seed=1, threads=1), Simulation(scene, seed=1, engine="lammps", ranks=ranks))
     for simulation in pair:
@@ -62,7 +62,7 @@ def assert_same_motion(scene: Scene, steps: int = 150, ranks: int = 2) -> tuple[
 
 @pytest.mark.parametrize("tails", ["on", "off"])
 def test_constant_energy(tails: str) -> None:
-    assert_same_motion(mixture(control={**NVE, "vdw_long_range_correction": tails}))
+    assert_same_motion(mixture(control={**NVE, "vdw_long_range_correction": tails}), ranks=2)
 
 
 @pytest.mark.parametrize("method", ["berendsen", "hoover"])
@@ -85,6 +85,14 @@ def test_frozen_beads_and_gravity() -> None:
     _, theirs = assert_same_motion(scene)
     assert np.all(theirs.velocities[scene.beads.frozen] == 0.0)
     assert np.all(theirs.state.forces[scene.beads.frozen] == 0.0)
+
+
+@pytest.mark.parametrize("method", ["", "berendsen"])
+def test_gravity_whose_drift_is_removed(method: str) -> None:
+    thermostat = {"ensemble_method": method, "ensemble_dpd_order": None, "ensemble_thermostat_coupling": "0.05 ps"}
+    scene = mixture(control=thermostat if method else NVE, extern="grav 0.3 -0.2 0.5")
+    assert scene.dynamics.remove_drift
+    assert_same_motion(scene)
 
 
 def test_electric_field() -> None:

@@ -103,6 +103,12 @@ def test_a_mixture_of_laws_with_pairs_that_do_not_interact(team: ProcessTeam) ->
     assert_same_point(team, scene, 1e-9)  # beads at random places: forces of 1e20 hide the rest
 
 
+@pytest.mark.parametrize("cell", CELLS)
+def test_forces_across_the_border_of_ranks(two_ranks: ProcessTeam, cell: str) -> None:
+    assert_same_point(two_ranks, law_scene("dpd", cell))
+    assert_same_point(two_ranks, law_scene("snm", cell))
+
+
 def test_mixed_numbers_are_written_out() -> None:
     lines = ["A A dpd 25.0 1.0 1.0", "B B dpd 30.0 1.0 20.0"]
     scene = make_scene({"A": 50, "B": 50}, lines, cell=5.0, control={"vdw_mix_method": "lorentz-berthelot"})
@@ -138,8 +144,9 @@ def test_drag(team: ProcessTeam, exponent: float) -> None:
     soft = 25.0 * np.clip(1.0 - r, 0.0, None)
     expected = np.einsum("ij,ijk->ik", drag + soft, unit)
     assert np.abs(forces - expected).max() <= EXACT * np.abs(expected).max()
-    virial = 0.5 * np.einsum("ij,ija,ijb->ab", drag, unit, apart)
-    assert np.abs(seen["drag"] - virial).max() <= 1e-9 * np.abs(virial).max()
+    for part, force in (("drag", drag), ("conservative", soft)):
+        virial = 0.5 * np.einsum("ij,ija,ijb->ab", force, unit, apart)
+        assert np.abs(seen[part] - virial).max() <= 1e-9 * np.abs(virial).max(), part
 
 
 # Bonded laws
@@ -183,6 +190,11 @@ def test_only_laws_of_the_registry_are_translated() -> None:
 @pytest.mark.parametrize(("kind", "key"), TRANSLATED, ids=[f"{kind}-{key}" for kind, key in TRANSLATED])
 def test_bonded_laws(team: ProcessTeam, kind: str, key: str) -> None:
     assert_same_point(team, bonded_scene(kind, key, BONDED_ROWS[kind, key].numbers))
+
+
+@pytest.mark.parametrize("kind", ["bond", "angle", "dihedral"])
+def test_bonded_terms_across_the_border_of_ranks(two_ranks: ProcessTeam, kind: str) -> None:
+    assert_same_point(two_ranks, bonded_scene(kind, "harm", BONDED_ROWS[kind, "harm"].numbers))
 
 
 NATURAL = {

@@ -32,12 +32,14 @@ class PairStyle:
         style: LAMMPS's own style of the law, empty where there is none.
         coefficients: its numbers from the law's and the cutoff.
         modify: words of ``pair_modify`` that the style needs.
+        sometimes: the style takes some of the law's numbers only.
     """
 
     formula: str
     style: str = ""
     coefficients: Coefficients | None = None
     modify: str = ""
+    sometimes: bool = False
 
 
 def _twelve_six(repulsion: float, attraction: float, cutoff: float) -> Numbers | None:
@@ -75,11 +77,12 @@ _SNM = "{E1}/{n}*({r0}/r)^{n}-{E2}/{m}*({r0}/r)^{m}+{slope}*r-{offset}"
 PAIR_STYLES: dict[str, PairStyle | None] = {
     "dpd": PairStyle("{A}*{rc}/2*(1-r/{rc})^2", "harmonic/cut", _dpd),
     "lj": PairStyle("4*{eps}*(({sig}/r)^12-({sig}/r)^6)", "lj/cut", lambda p, rc: (p[0], p[1], rc)),
-    "12-6": PairStyle("{A}/r^12-{B}/r^6", "lj/cut", lambda p, rc: _twelve_six(p[0], p[1], rc)),
+    "12-6": PairStyle("{A}/r^12-{B}/r^6", "lj/cut", lambda p, rc: _twelve_six(p[0], p[1], rc), sometimes=True),
     "ljc": PairStyle(
         "4*{eps}*(({sig}/r)^12-{c}*({sig}/r)^6)",
         "lj/cut",
         lambda p, rc: _twelve_six(4.0 * p[0] * p[1] ** 12, 4.0 * p[0] * p[1] ** 6 * p[2], rc),
+        sometimes=True,
     ),
     "ljf": PairStyle(
         "{eps}*{ratio}/4*(3/({ratio}-1))^3*(({sig}/r)^2-1)*(({rc}/r)^2-1)^2",
@@ -99,11 +102,14 @@ PAIR_STYLES: dict[str, PairStyle | None] = {
         "{A}*exp({B}*({sig}-r))-{C}/r^6-{D}/r^8",
         "born",
         lambda p, rc: (p[0], 1.0 / p[1], p[2], p[3], -p[4], rc) if p[1] > 0.0 else None,
+        sometimes=True,
     ),
     "hbnd": PairStyle("{A}/r^12-{B}/r^10"),
     "mors": PairStyle(_MORSE, "morse", lambda p, rc: (p[0], p[2], p[1], rc)),
     "mstw": PairStyle(f"{_MORSE}+{{c}}/r^12"),
-    "wca": PairStyle("4*{eps}*(({sig}/(r-{D}))^12-({sig}/(r-{D}))^6)+{eps}", "lj/expand", _wca, modify="shift yes"),
+    "wca": PairStyle(
+        "4*{eps}*(({sig}/(r-{D}))^12-({sig}/(r-{D}))^6)+{eps}", "lj/expand", _wca, modify="shift yes", sometimes=True
+    ),
     "ndpd": PairStyle("{A}*{b}*{rc}/({n}+1)*(1-r/{rc})^({n}+1)-{A}*{rc}/2*(1-r/{rc})^2"),
     "14-7": PairStyle("{eps}*(1.07/(r/{r0}+0.07))^7*(1.12/((r/{r0})^7+0.12)-2)"),
     "ryd": PairStyle("({a}+{b}*r)*exp(-r/{rho})"),
@@ -117,6 +123,7 @@ PAIR_STYLES: dict[str, PairStyle | None] = {
         f"({_BUCKINGHAM})*{_TAPER}",
         "buck/mdf",
         lambda p, rc: (p[0], p[1], p[2], p[3], rc) if p[1] > 0.0 else None,
+        sometimes=True,
     ),
     "m126": PairStyle(f"({{A}}/r^12-{{B}}/r^6)*{_TAPER}", "lennard/mdf", lambda p, rc: (*p, rc)),
     "sand": PairStyle("-{A}*exp(-((r-{L})/{d})^2)"),
