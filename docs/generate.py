@@ -255,7 +255,12 @@ def lammps_charges() -> str:
     ewald = "forces to the precision of both sums, 1e-5 with `spme_precision 1e-7`"
     return table(
         ["method", "LAMMPS's style", "equal"],
-        ([code(name), text, ewald if name == "ewald" else "to 1e-10"] for name, text in METHODS.items()),
+        (
+            [code(row["name"]), METHODS[row["name"]], ewald if row["reciprocal"] else "to 1e-10"]
+            if row["name"] in METHODS
+            else [code(row["name"]), "refused", "it is not translated"]
+            for row in _core.charge_methods()
+        ),
     )
 
 

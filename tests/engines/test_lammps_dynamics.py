@@ -14,6 +14,7 @@ from pydlpoly.engines.lammps_translate import translate
 from pydlpoly.engines.lammps_translate.refusal import KNOWN, Places, refuse_unknown
 from pydlpoly.formats.records import FloatArray
 
+from ..molecule_builder import chains, molecule_scene
 from ..run_folders import run_folder
 from ..scene_builder import NVE, make_scene
 
@@ -284,6 +285,33 @@ def test_settings_that_are_refused(name: str, tmp_path: Path) -> None:
         translate(scene, 1)
     assert caught.value.line == line, str(caught.value)
     assert caught.value.path == str(path / "CONTROL")
+
+
+def test_a_barostat_is_refused(tmp_path: Path) -> None:
+    settings = {
+        "ensemble": "npt",
+        "pressure_hydrostatic": "23.0 dpd_p",
+        "ensemble_barostat_coupling": "1.0 internal_t",
+        "ensemble_barostat_friction": "1.0 internal_t^-1",
+    }
+    path = run_folder(tmp_path / "run", settings)
+    line = (path / "CONTROL").read_text().splitlines().index("ensemble npt") + 1
+    with pytest.raises(SceneError, match=rf"CONTROL:{line}: 'ensemble': barostat cannot be run"):
+        translate(load(path), 1)
+
+
+def test_constraints_are_refused() -> None:
+    scene = molecule_scene("HT", {"constraints": ["1 2 0.5"]}, chains(5, 2, 6.0, seed=1, step=0.5), copies=5, cell=6.0)
+    with pytest.raises(SceneError, match=r"FIELD:10: constraints cannot be run"):
+        translate(scene, 1)
+
+
+def test_walls_are_refused() -> None:
+    positions = 4.0 * (np.random.default_rng(1).random((10, 3)) - 0.5)
+    control = {**NVE, "fixed_com": "off", "wall_method": "reflecting", "wall_axes": "z"}
+    scene = make_scene({"A": 10}, ("A A dpd 25.0 1.0",), cell=6.0, positions=positions, control=control)
+    with pytest.raises(SceneError, match=r"CONTROL:\d+: walls cannot be run"):
+        translate(scene, 1)
 
 
 def test_an_external_field_that_is_refused() -> None:

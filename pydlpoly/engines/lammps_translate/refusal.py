@@ -74,7 +74,7 @@ class Places:
     def of_setting(self, *keywords: str) -> dict[str, Any]:
         """Return ``path``, ``line`` and ``word`` of the first of these keywords that CONTROL gives."""
         path = self._sources[0] if self._sources else ""
-        if not path or not Path(path).is_file():
+        if not path:
             return {}
         try:
             control = read_control(path, lenient=True)
@@ -104,7 +104,7 @@ def refusal(what: str, place: dict[str, Any], because: str = "") -> SceneError:
 
 def refuse_unknown(scene: Scene, places: Places) -> None:
     """Raise SceneError for the first part of the scene that is not known here and is in use."""
-    _refuse(scene, lambda _name: {})
+    _refuse(scene, lambda name: places.of_text(getattr(getattr(scene, name), "explanation", "")))
     for part in (scene.dynamics, scene.run):
         _refuse(part, lambda name: places.of_setting(*_KEYWORDS.get(name, (name,))))
     for term in scene.pairs:
@@ -128,9 +128,5 @@ def _refuse(part: Any, place: Callable[[str], dict[str, Any]]) -> None:
             default = None
         if value is default or (isinstance(value, (bool, int, float, str, tuple)) and value == default):
             continue
-        explanation = getattr(value, "explanation", "")
-        where = place(field.name)
-        if explanation and not where:
-            where = {"path": str(explanation)}
         shown = f" {value}" if isinstance(value, (int, float, str)) and not isinstance(value, bool) else ""
-        raise refusal(f"{field.name.replace('_', ' ')}{shown} cannot be run", where)
+        raise refusal(f"{field.name.replace('_', ' ')}{shown} cannot be run", place(field.name))
