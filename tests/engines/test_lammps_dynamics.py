@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pydlpoly import Scene, SceneError, Simulation, load, single_point
+from pydlpoly import RunError, Scene, SceneError, Simulation, load, single_point
 from pydlpoly.cli import example_folder
 from pydlpoly.engines.lammps_translate import translate
 from pydlpoly.engines.lammps_translate.refusal import KNOWN, Places, refuse_unknown
@@ -125,6 +125,20 @@ def test_cells_that_are_crossed_are_counted() -> None:
     assert np.abs(ours - theirs).max() < 1e-6
 
 
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_seed_and_a_number_of_ranks_give_one_run(ranks: int) -> None:
+    """However it is cut into pieces, and whatever is looked at in between."""
+    scene = make_scene({"A": 375}, cell=5.0)
+    whole, pieces = (Simulation(scene, seed=7, engine="lammps", ranks=ranks) for _ in range(2))
+    whole.run(60)
+    for steps in (1, 7, 22, 30):
+        pieces.run(steps)
+        pieces.state  # noqa: B018  # gathers the beads
+        pieces.observe()
+    assert np.array_equal(whole.positions, pieces.positions)
+    assert np.array_equal(whole.velocities, pieces.velocities)
+
+
 def test_state_that_is_set() -> None:
     scene = mixture(control={**NVE, "vdw_long_range_correction": "off"})
     pair = (Simulation(scene, seed=1), Simulation(scene, seed=1, engine="lammps"))
@@ -158,6 +172,21 @@ def test_accelerator_switches_are_passed_on() -> None:
     for simulation in (plain, fast):
         simulation.run(20)
     assert np.abs(plain.positions - fast.positions).max() < 1e-10
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_beads_that_fly_away_stop_the_run(ranks: int) -> None:
+    """Hard beads at random places; the state stays that of the last step whose beads were asked for."""
+    control = {**NVE, "timestep": "0.01 internal_t", "cutoff": "2.5 ang"}
+    scene = make_scene({"A": 400}, ("A A lj 1.0 1.0",), cell=9.0, control=control)
+    simulation = Simulation(scene, seed=1, engine="lammps", ranks=ranks)
+    before = simulation.positions
+    with pytest.raises(RunError, match=r"LAMMPS stopped: .*in steps 1 to \d+; the state here is that of step 0"):
+        simulation.run(50)
+    assert simulation.step == 0
+    assert np.array_equal(simulation.positions, before)
+    with pytest.raises(RunError, match="LAMMPS has ended"):
+        simulation.run(1)
 
 
 # Averages of DPD

@@ -259,6 +259,19 @@ def test_a_job_uses_its_ranks(tmp_path: Path) -> None:
     assert done.stderr.count("the integrator second cannot be run") == 1
 
 
+@pytest.mark.skipif(importlib.util.find_spec("mpi4py") is None, reason="needs mpi4py, which the extra lammps brings")
+def test_ctrl_c_around_a_job(tmp_path: Path) -> None:
+    folder = run_folder(tmp_path / "run", LONG)
+    words = [mpiexec(), "-n", "2", *command("run", folder, "--engine", "lammps", "--seed", 5, "--quiet")]
+    process = subprocess.Popen(words, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    _wait_for(folder / "STATIS", 120, process)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130, said
+    assert b"everything is written; continue with: pydlpoly run" in said
+    assert Simulation.resume(folder / "REVIVE", scene=load(folder)).step == read_config(folder / "REVCON").step
+
+
 # Files for LAMMPS
 
 
