@@ -549,6 +549,10 @@ class System:
         """
         Takes steps and observes the last one.
         """
+    def sample_distances(self) -> None:
+        """
+        Counts the pair distances of the present positions as one more sample, whatever the step.
+        """
     def set_bonded(
         self,
         terms: BondedTerms,

@@ -94,9 +94,7 @@ def run(
     ranks: Annotated[
         int | None, typer.Option(min=1, help="Processes of the engine lammps; inside an MPI job its ranks are used.")
     ] = None,
-    gpu: Annotated[
-        str, typer.Option(help="LAMMPS's own accelerator switches, for example '-sf gpu -pk gpu 1'.")
-    ] = "",
+    gpu: Annotated[str, typer.Option(help="LAMMPS's own accelerator switches, for example '-sf gpu -pk gpu 1'.")] = "",
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress bar and no closing words.")] = False,
     lenient: Lenient = False,
 ) -> None:

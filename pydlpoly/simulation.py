@@ -771,9 +771,7 @@ class Simulation:
         return {k[len(prefix) :]: v for k, v in self._reporter_state.items() if k.startswith(prefix)}
 
 
-def _engine(
-    name: str, scene: Scene, seed: int, threads: int, cell_width: float, options: EngineOptions
-) -> Engine:
+def _engine(name: str, scene: Scene, seed: int, threads: int, cell_width: float, options: EngineOptions) -> Engine:
     if name not in ENGINES:
         raise SceneError(f"is no engine; expected {', '.join(ENGINES)}", word=name)
     if name == "native":

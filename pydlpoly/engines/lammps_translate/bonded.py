@@ -57,9 +57,7 @@ def _opls(given: Numbers) -> str | None:
 
 _MM3 = (1.0, -2.55, 7.0 / 12.0 * 2.55 * 2.55)
 _RYCKAERT = (1.116, -1.462, -1.578, 0.368, 3.156, 3.788)
-_OPLS = (
-    "{A0}+{A1}/2*(1+cos(phi-{phi0}))+{A2}/2*(1-cos(2*(phi-{phi0})))+{A3}/2*(1+cos(3*(phi-{phi0})))"
-)
+_OPLS = "{A0}+{A1}/2*(1+cos(phi-{phi0}))+{A2}/2*(1-cos(2*(phi-{phi0})))+{A3}/2*(1+cos(3*(phi-{phi0})))"
 
 BONDED_STYLES: dict[tuple[BondedKind, str], BondedStyle | None] = {
     ("bond", "harm"): BondedStyle("{k}/2*(r-{r0})^2", "harmonic", lambda p: _words(0.5 * p[0], p[1])),
@@ -95,8 +93,7 @@ BONDED_STYLES: dict[tuple[BondedKind, str], BondedStyle | None] = {
     ),
     ("angle", "cos"): BondedStyle("{A}*(1+cos({m}*theta-{delta}))", "cosine", _cosine_angle),
     ("angle", "mmbd"): BondedStyle(
-        "{k}*(theta-{th0})^2*(1-0.014*(theta-{th0})+5.6e-5*(theta-{th0})^2-7e-7*(theta-{th0})^3"
-        "+2.2e-8*(theta-{th0})^4)"
+        "{k}*(theta-{th0})^2*(1-0.014*(theta-{th0})+5.6e-5*(theta-{th0})^2-7e-7*(theta-{th0})^3+2.2e-8*(theta-{th0})^4)"
     ),
     ("dihedral", "cos"): BondedStyle(
         "{A}*(1+cos({m}*(phi-2*{pi}*step(phi-{pi}))-{delta}))",  # LAMMPS counts phi from 0 to 2 pi
@@ -129,6 +126,9 @@ REFUSED_BECAUSE: dict[str, str] = {
     "inversion": "LAMMPS defines its impropers otherwise",
     "tether": "tethers are not translated",
 }
+
+SOMETIMES: frozenset[tuple[BondedKind, str]] = frozenset({("angle", "cos"), ("dihedral", "cos"), ("dihedral", "opls")})
+"""Laws whose style takes some of their numbers only."""
 
 SECTIONS: dict[BondedKind, str] = {"bond": "Bonds", "angle": "Angles", "dihedral": "Dihedrals"}
 _LEPTON = {"bond": "lepton no_offset", "angle": "lepton no_offset", "dihedral": "lepton"}

@@ -32,12 +32,14 @@ class PairStyle:
         style: LAMMPS's own style of the law, empty where there is none.
         coefficients: its numbers from the law's and the cutoff.
         modify: words of ``pair_modify`` that the style needs.
+        sometimes: the style takes some of the law's numbers only.
     """
 
     formula: str
     style: str = ""
     coefficients: Coefficients | None = None
     modify: str = ""
+    sometimes: bool = False
 
 
 def _twelve_six(repulsion: float, attraction: float, cutoff: float) -> Numbers | None:
@@ -75,11 +77,12 @@ _SNM = "{E1}/{n}*({r0}/r)^{n}-{E2}/{m}*({r0}/r)^{m}+{slope}*r-{offset}"
 PAIR_STYLES: dict[str, PairStyle | None] = {
     "dpd": PairStyle("{A}*{rc}/2*(1-r/{rc})^2", "harmonic/cut", _dpd),
     "lj": PairStyle("4*{eps}*(({sig}/r)^12-({sig}/r)^6)", "lj/cut", lambda p, rc: (p[0], p[1], rc)),
-    "12-6": PairStyle("{A}/r^12-{B}/r^6", "lj/cut", lambda p, rc: _twelve_six(p[0], p[1], rc)),
+    "12-6": PairStyle("{A}/r^12-{B}/r^6", "lj/cut", lambda p, rc: _twelve_six(p[0], p[1], rc), sometimes=True),
     "ljc": PairStyle(
         "4*{eps}*(({sig}/r)^12-{c}*({sig}/r)^6)",
         "lj/cut",
         lambda p, rc: _twelve_six(4.0 * p[0] * p[1] ** 12, 4.0 * p[0] * p[1] ** 6 * p[2], rc),
+        sometimes=True,
     ),
     "ljf": PairStyle(
         "{eps}*{ratio}/4*(3/({ratio}-1))^3*(({sig}/r)^2-1)*(({rc}/r)^2-1)^2",
@@ -99,12 +102,13 @@ PAIR_STYLES: dict[str, PairStyle | None] = {
         "{A}*exp({B}*({sig}-r))-{C}/r^6-{D}/r^8",
         "born",
         lambda p, rc: (p[0], 1.0 / p[1], p[2], p[3], -p[4], rc) if p[1] > 0.0 else None,
+        sometimes=True,
     ),
     "hbnd": PairStyle("{A}/r^12-{B}/r^10"),
     "mors": PairStyle(_MORSE, "morse", lambda p, rc: (p[0], p[2], p[1], rc)),
     "mstw": PairStyle(f"{_MORSE}+{{c}}/r^12"),
     "wca": PairStyle(
-        "4*{eps}*(({sig}/(r-{D}))^12-({sig}/(r-{D}))^6)+{eps}", "lj/expand", _wca, modify="shift yes"
+        "4*{eps}*(({sig}/(r-{D}))^12-({sig}/(r-{D}))^6)+{eps}", "lj/expand", _wca, modify="shift yes", sometimes=True
     ),
     "ndpd": PairStyle("{A}*{b}*{rc}/({n}+1)*(1-r/{rc})^({n}+1)-{A}*{rc}/2*(1-r/{rc})^2"),
     "14-7": PairStyle("{eps}*(1.07/(r/{r0}+0.07))^7*(1.12/((r/{r0})^7+0.12)-2)"),
@@ -119,6 +123,7 @@ PAIR_STYLES: dict[str, PairStyle | None] = {
         f"({_BUCKINGHAM})*{_TAPER}",
         "buck/mdf",
         lambda p, rc: (p[0], p[1], p[2], p[3], rc) if p[1] > 0.0 else None,
+        sometimes=True,
     ),
     "m126": PairStyle(f"({{A}}/r^12-{{B}}/r^6)*{_TAPER}", "lennard/mdf", lambda p, rc: (*p, rc)),
     "sand": PairStyle("-{A}*exp(-((r-{L})/{d})^2)"),
@@ -187,11 +192,12 @@ def formula_of(pair: PairTerm) -> str:
     entry = PAIR_STYLES[pair.law]
     assert entry is not None
     text = fill(entry.formula, **_numbers(pair))
-    if pair.force_shift and pair_laws()[pair.law].shiftable:
-        if "ri" not in pair_laws()[pair.law].parameter_names:  # a taper leads energy and force to zero by itself
-            # The law is asked beyond its cutoff: at the cutoff itself it is over.
-            energy, force = _core.evaluate_pair(pair.law, list(pair.parameters), 2.0 * pair.cutoff, [pair.cutoff])
-            text += f"-{term(float(energy[0]))}+{term(float(force[0]))}*(r-{term(pair.cutoff)})"
+    law = pair_laws()[pair.law]
+    # A taper leads energy and force to zero by itself.
+    if pair.force_shift and law.shiftable and "ri" not in law.parameter_names:
+        # The law is asked beyond its cutoff: at the cutoff itself it is over.
+        energy, force = _core.evaluate_pair(pair.law, list(pair.parameters), 2.0 * pair.cutoff, [pair.cutoff])
+        text += f"-{term(float(energy[0]))}+{term(float(force[0]))}*(r-{term(pair.cutoff)})"
     return text
 
 
@@ -243,9 +249,7 @@ def _shifted_n_m(given: dict[str, float]) -> dict[str, float]:
     n, m, reach = given["n"], given["m"], given["rc"]
     g = reach / given["r0"]
     beta = g * ((g ** (m + 1.0) - 1.0) / (g ** (n + 1.0) - 1.0)) ** (1.0 / (n - m))
-    alpha = (m - n) / (
-        m * beta**n * (1.0 + (n / g - n - 1.0) / g**n) - n * beta**m * (1.0 + (m / g - m - 1.0) / g**m)
-    )
+    alpha = (m - n) / (m * beta**n * (1.0 + (n / g - n - 1.0) / g**n) - n * beta**m * (1.0 + (m / g - m - 1.0) / g**m))
     strength = alpha * given["E0"] / (n - m) * n * m
     inner, outer = strength * beta**n, strength * beta**m
     slope = (inner / g**n - outer / g**m) / reach

@@ -18,27 +18,28 @@ from pydlpoly.scene.model import Bonded, BondedTerm, Dynamics, Electrostatics, P
 
 _PLACE = re.compile(r"(?P<name>[^\s:;,]+):(?P<line>\d+)")
 
+
+def _names(words: str) -> frozenset[str]:
+    return frozenset(words.split())
+
+
 KNOWN: dict[type, frozenset[str]] = {
-    Scene: frozenset(
+    Scene: _names(
         "title units species beads cell imcon periodic pairs external cutoff vdw_cutoff dynamics run output "
         "degrees_of_freedom long_range_correction molecule_names molecule_counts field_units notes sources "
-        "source_order source_cell bonded electrostatics".split()
+        "source_order source_cell bonded electrostatics"
     ),
-    Dynamics: frozenset(
+    Dynamics: _names(
         "integrator timestep thermal_energy prediction weight_exponent tolerance passes thermostat_mass "
-        "thermostat_friction relaxation remove_drift".split()
+        "thermostat_friction relaxation remove_drift"
     ),
-    RunPlan: frozenset(
-        "steps equilibration_steps record_equilibration seed start checkpoint_file threads".split()
+    RunPlan: _names("steps equilibration_steps record_equilibration seed start checkpoint_file threads"),
+    PairTerm: _names(
+        "species law parameters cutoff force_shift drag drag_cutoff noise law_origin drag_origin explanation"
     ),
-    PairTerm: frozenset(
-        "species law parameters cutoff force_shift drag drag_cutoff noise law_origin drag_origin explanation".split()
-    ),
-    Bonded: frozenset("terms excluded scaled scales coulomb_scaled coulomb_scales".split()),
-    BondedTerm: frozenset("kind law parameters beads restraint molecule explanation".split()),
-    Electrostatics: frozenset(
-        "method keyword shape length strength cutoff alpha permittivity counts order origins".split()
-    ),
+    Bonded: _names("terms excluded scaled scales coulomb_scaled coulomb_scales"),
+    BondedTerm: _names("kind law parameters beads restraint molecule explanation"),
+    Electrostatics: _names("method keyword shape length strength cutoff alpha permittivity counts order origins"),
 }
 """The fields that are translated, or that say nothing about the motion."""
 
@@ -73,7 +74,7 @@ class Places:
     def of_setting(self, *keywords: str) -> dict[str, Any]:
         """Return ``path``, ``line`` and ``word`` of the first of these keywords that CONTROL gives."""
         path = self._sources[0] if self._sources else ""
-        if not path or not Path(path).is_file():
+        if not path:
             return {}
         try:
             control = read_control(path, lenient=True)
@@ -103,7 +104,7 @@ def refusal(what: str, place: dict[str, Any], because: str = "") -> SceneError:
 
 def refuse_unknown(scene: Scene, places: Places) -> None:
     """Raise SceneError for the first part of the scene that is not known here and is in use."""
-    _refuse(scene, lambda _name: {})
+    _refuse(scene, lambda name: places.of_text(getattr(getattr(scene, name), "explanation", "")))
     for part in (scene.dynamics, scene.run):
         _refuse(part, lambda name: places.of_setting(*_KEYWORDS.get(name, (name,))))
     for term in scene.pairs:
@@ -127,9 +128,5 @@ def _refuse(part: Any, place: Callable[[str], dict[str, Any]]) -> None:
             default = None
         if value is default or (isinstance(value, (bool, int, float, str, tuple)) and value == default):
             continue
-        explanation = getattr(value, "explanation", "")
-        where = place(field.name)
-        if explanation and not where:
-            where = {"path": str(explanation)}
         shown = f" {value}" if isinstance(value, (int, float, str)) and not isinstance(value, bool) else ""
-        raise refusal(f"{field.name.replace('_', ' ')}{shown} cannot be run", where)
+        raise refusal(f"{field.name.replace('_', ' ')}{shown} cannot be run", place(field.name))

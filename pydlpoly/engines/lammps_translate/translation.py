@@ -21,7 +21,7 @@ from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.cell import widths
 from pydlpoly.scene.model import Bonded, Scene
 
-_SKIN = 0.3  # of the longest range
+SKIN = 0.3  # of the list of pairs, in units of the longest range
 _ROOM = 1.5  # by how much bonded terms may stretch beyond what they are at the start
 _SEEDS = 900_000_000  # LAMMPS takes seeds from 1 up to this
 
@@ -88,22 +88,20 @@ def translate(scene: Scene, seed: int) -> Translation:
         kinds=tuple(kind for kind in ("bond", "angle", "dihedral") if terms is not None and _has(terms, kind)),
         thermostat=fixes.thermostat,
     )
-    reach = _reach(scene)
+    reach = reach_of(scene)
     if bonded is not None and reach >= 0.5 * float(widths(scene.cell).min()):
         message = f"bonded terms in a cell less than twice as wide as the longest range {reach:g} cannot be run"
         raise refusal(message, {"path": scene.sources[2]} if len(scene.sources) > 2 else {})
     return Translation(
         before=tuple(_before(scene, exclusions, terms, charge, reach)),
         data=_data(scene, terms),
-        after=tuple(
-            [
-                *_pair_commands(scene, styles, drags, exclusions),
-                *(charge.after if charge is not None else ()),
-                *(terms.coefficients if terms is not None else ()),
-                f"neighbor {number(_SKIN * reach)} bin",
-                "neigh_modify delay 0 every 1 check yes",
-                *fixes.commands,
-            ]
+        after=(
+            *_pair_commands(scene, styles, drags, exclusions),
+            *(charge.after if charge is not None else ()),
+            *(terms.coefficients if terms is not None else ()),
+            f"neighbor {number(SKIN * reach)} bin",
+            "neigh_modify delay 0 every 1 check yes",
+            *fixes.commands,
         ),
         observed=observed,
     )
@@ -132,8 +130,8 @@ def _has(terms: BondedPart, kind: str) -> bool:
     return any(style.startswith(f"{kind}_style") for style in terms.styles)
 
 
-def _reach(scene: Scene) -> float:
-    """Return the longest range of any pair force."""
+def reach_of(scene: Scene) -> float:
+    """Return the longest range of any pair force, drag or charge."""
     reach = max((max(pair.cutoff if pair.law else 0.0, pair.drag_cutoff) for pair in scene.pairs), default=0.0)
     if scene.electrostatics is not None:
         reach = max(reach, scene.electrostatics.cutoff)
@@ -148,7 +146,7 @@ def _before(
     yield "boundary p p p"
     yield "newton on"
     span = _longest_term(scene, scene.bonded) if scene.bonded is not None else 0.0
-    yield f"comm_modify vel yes cutoff {number(max((1.0 + _SKIN) * reach, _ROOM * span))}"
+    yield f"comm_modify vel yes cutoff {number(max((1.0 + SKIN) * reach, _ROOM * span))}"
     yield "box tilt large"
     yield from charge.before if charge is not None else ()
     yield from terms.styles if terms is not None else ()
