@@ -75,7 +75,7 @@ def test_densities_and_forces(tmp_path: Path, cell: ArrayLike, species: int) -> 
     printed, rho = lammps_point(tmp_path, scene, coefficients)
     engine = NativeEngine(scene, seed=0, threads=1)
     engine.initialise()
-    assert rho.min() > 0.0
+    assert rho.max() > 5.0
     assert np.abs(engine.local_densities() - rho).max() <= 1e-12 * rho.max()
     point = single_point(scene)
     assert printed.forces is not None
