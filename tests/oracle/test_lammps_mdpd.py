@@ -89,9 +89,7 @@ def test_warren_kernel_is_another_fluid(tmp_path: Path) -> None:
     """The same configuration with the default kernel has other densities: 15/(2π) against 105/(16π) at contact."""
     lines = ["A A mdpd -40 25 1 0.75 18"]
     places = [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0]]
-    scenes = [
-        make_scene({"A": 2}, lines, cell=6.0, positions=places, control=control) for control in (LUCY, NVE)
-    ]
+    scenes = [make_scene({"A": 2}, lines, cell=6.0, positions=places, control=control) for control in (LUCY, NVE)]
     found = []
     for scene in scenes:
         engine = NativeEngine(scene, seed=0, threads=1)
