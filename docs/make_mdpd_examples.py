@@ -62,7 +62,13 @@ def field(title: str, molecules: list[tuple[str, int, bool]], pairs: list[str]) 
     """Return FIELD of single beads: species, number, whether frozen."""
     lines = [title, "units dpd", f"molecules {len(molecules)}"]
     for name, count, frozen in molecules:
-        lines += ["wall" if frozen else "liquid", f"nummols {count}", "atoms 1", f"{name} 1.0 0.0 1 {int(frozen)}", "finish"]
+        lines += [
+            "wall" if frozen else "liquid",
+            f"nummols {count}",
+            "atoms 1",
+            f"{name} 1.0 0.0 1 {int(frozen)}",
+            "finish",
+        ]
     return "\n".join([*lines, f"vdw {len(pairs)}", "# species  law  A  B  r_c  r_d  drag", *pairs, "close", ""])
 
 

@@ -78,9 +78,7 @@ def draw(caps: dict[float, SphericalCap], path: Path) -> None:
         x, z = cap.radius * np.cos(along), cap.height + cap.radius * np.sin(along)
         axis.plot(x[z >= 0.0], z[z >= 0.0], "k.", markersize=1.0)
         axis.axhline(0.0, color="0.4", linewidth=2.0)
-        axis.set(
-            title=f"A_sw = {attraction:g}: {cap.angle:.0f}°", xlim=(-8.5, 8.5), ylim=(-0.3, 11.0), aspect="equal"
-        )
+        axis.set(title=f"A_sw = {attraction:g}: {cap.angle:.0f}°", xlim=(-8.5, 8.5), ylim=(-0.3, 11.0), aspect="equal")
         axis.set(xlabel="distance from the axis", ylabel="height")
     cosines = [np.cos(np.radians(cap.angle)) for cap in caps.values()]
     axes[3].plot(list(caps), cosines, "o-")
@@ -99,7 +97,9 @@ def main() -> None:
     arguments = parser.parse_args()
     for attraction in ATTRACTIONS:
         cap = caps[attraction] = contact_angle(attraction)
-        print(f"| {attraction:g} | {cap.angle:.1f} ± {cap.error:.1f} | {cap.radius:.2f} | {cap.liquid:.2f} |", flush=True)
+        print(
+            f"| {attraction:g} | {cap.angle:.1f} ± {cap.error:.1f} | {cap.radius:.2f} | {cap.liquid:.2f} |", flush=True
+        )
     draw(caps, arguments.picture)
 
 

@@ -529,6 +529,10 @@ class System:
         """
         Computes and observes the forces of the present state.
         """
+    def local_densities(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Local densities (N,) at the last evaluation of forces.
+        """
     def meet_constraints(self) -> None:
         """
         Brings positions to the lengths of constraints, and takes out of velocities what would change them.
@@ -593,6 +597,22 @@ class System:
     ) -> None:
         """
         Takes pairs of beads whose distances stay fixed.
+        """
+    def set_many_body(
+        self,
+        kernel: str,
+        strength: typing.SupportsFloat | typing.SupportsIndex,
+        powers: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        pairs: collections.abc.Sequence[
+            tuple[
+                typing.SupportsInt | typing.SupportsIndex,
+                typing.SupportsInt | typing.SupportsIndex,
+                typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(4)"],
+            ]
+        ],
+    ) -> None:
+        """
+        Adds many-body DPD: one power m a species, and (a, b, (W(0), n, r_d, push)) of pairs of species.
         """
     def set_walls(
         self,

@@ -171,7 +171,7 @@ def test_lammps_gets_the_same_scene(name: str, tmp_path: Path) -> None:
 
 
 def test_lammps_gets_the_same_film(tmp_path: Path) -> None:
-    """LAMMPS prints Σ A rc w²/2 + Σ B rd (ρ_i + ρ_j) w_d²/2, which is no potential of its forces; ours has the first."""
+    """LAMMPS prints Σ A rc w²/2 + Σ B rd (ρ_i + ρ_j) w_d²/2, which is no potential; ours is the first."""
     scene = built(SCENES["film"])
     given = lammps_input(scene)
     assert isinstance(given, LammpsInput)

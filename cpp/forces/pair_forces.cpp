@@ -33,16 +33,22 @@ PairForces::PairForces(PairTable table, double thermal_energy, double timestep)
     for (const PairDrag& drag : table_.drags()) {
         force = std::max(force, 7.0 * drag.noise / std::sqrt(timestep));
     }
+    any_law_or_noise_ = force > 0.0;
     force = std::max(force, 1e-12);
     base_exponent_ = grid_exponent(force);
     base_energy_exponent_ = grid_exponent(force * std::max(table_.range(), 1e-6));
 }
 
 void PairForces::add_modifier(std::shared_ptr<PairModifier> modifier) {
+    // An estimate that beads never meet would cost digits: the grid becomes at most 64 times coarser than that of laws
+    // and noise. Where it is too fine after all, compute() repeats its sums.
+    constexpr int most = 6;
     const double force = modifier->characteristic_force();
     if (force > 0.0) {
-        base_exponent_ = std::min(base_exponent_, grid_exponent(force));
-        base_energy_exponent_ = std::min(base_energy_exponent_, grid_exponent(force * std::max(table_.range(), 1e-6)));
+        const int coarser = base_exponent_ - grid_exponent(force);
+        const int bits = std::max(0, any_law_or_noise_ ? std::min(coarser, most) : coarser);
+        base_exponent_ -= bits;
+        base_energy_exponent_ -= bits;
     }
     modifiers_.push_back(std::move(modifier));
 }

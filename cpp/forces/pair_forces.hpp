@@ -99,6 +99,7 @@ class PairForces {
     double cell_width_ = 0.0;
     int base_exponent_;
     int base_energy_exponent_;
+    bool any_law_or_noise_ = false;
 
     std::vector<std::shared_ptr<PairModifier>> modifiers_;
     std::vector<MotionRecord> motion_;  // in sorted order

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/exact_sum.hpp"
+#include "core/types.hpp"
 #include "meso/density_gradients.hpp"
 
 namespace dlpoly {
@@ -253,8 +253,10 @@ double ManyBody::curvature(PairForces& pairs, const Box& /*box*/, const Particle
 double ManyBody::characteristic_force() const {
     double largest = 0.0;
     for (const DensityPair& pair : settings_.pairs) {
+        // Four beads in a cube of r_d, counted as the kernel counts them: about that of a liquid.
+        const double n = pair.exponent;
+        const double density = 32.0 * pi / ((n + 1.0) * (n + 2.0) * (n + 3.0)) * pair.height;
         for (std::size_t species = 0; species < settings_.powers.size(); ++species) {
-            const double density = 4.0 * pair.height;
             const double response = settings_.kernel == DensityKernel::lucy
                                         ? density
                                         : slope_at(density, static_cast<std::int32_t>(species));

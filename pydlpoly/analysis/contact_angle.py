@@ -61,8 +61,8 @@ class ContactAngle(Analysis[SphericalCap]):
     """Contact angle of one droplet on a wall across z, below it.
 
     In every frame the droplet is moved so that its axis, through the mean place of its beads on both periodic axes, is
-    that of the profile. The density averaged over angles and frames is half that of the liquid at the droplet's surface;
-    a sphere goes through the surface of all layers above ``skip`` by least squares, and meets the wall at the angle.
+    that of the profile. Averaged over angles and frames, the density is half the liquid's at the surface.
+    A sphere goes through the surface of all layers above ``skip`` by least squares and meets the wall at the angle.
 
     Args:
         liquid: species of the droplet.
@@ -98,16 +98,15 @@ class ContactAngle(Analysis[SphericalCap]):
         height = frame.positions[beads, 2]
         if frame.imcon != 6:
             height = height - lengths[2] * np.round(height / lengths[2])
-        if self._edges is None:
+        edges = self._edges
+        if edges is None:
             reach = self._reach or 0.5 * float(min(lengths[:2]))
             rings = max(2, int((reach / self._width) ** 2))
             layers = max(1, int((0.5 * lengths[2] - self._wall) / self._width))
-            self._edges = (
-                np.arange(layers + 1) * self._width,
-                self._width * np.sqrt(np.arange(rings + 1)),  # rings of equal area
-            )
+            heights, distances = self._width * np.arange(layers + 1.0), self._width * np.sqrt(np.arange(rings + 1.0))
+            edges = self._edges = np.asarray(heights), np.asarray(distances)  # rings of equal area
         distance = np.hypot(across[0], across[1])
-        counts, _, _ = np.histogram2d(height - self._wall, distance, self._edges)
+        counts, _, _ = np.histogram2d(height - self._wall, distance, bins=edges)
         self._counts.append(counts.astype(np.int32))
 
     def result(self) -> SphericalCap:

@@ -95,7 +95,9 @@ class _Builder:
         terms = []
         for term in self._terms:
             range_ = term.parameters[5]
-            terms.append(DensityTerm(term.species, 105.0 / (16.0 * math.pi * range_**3), 2.0, range_, term.parameters[1]))
+            terms.append(
+                DensityTerm(term.species, 105.0 / (16.0 * math.pi * range_**3), 2.0, range_, term.parameters[1])
+            )
         return ManyBody(
             kernel="lucy",
             form="two-density",

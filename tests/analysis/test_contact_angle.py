@@ -11,11 +11,12 @@ from pydlpoly.analysis.contact_angle import fit_cap
 
 CELL = np.diag([24.0, 22.0, 30.0])
 WALL = -9.0
+DENSITY = 3.0
 
 
-def cap(angle: float, radius: float, density: float, rng: np.random.Generator, shift: tuple[float, float]) -> np.ndarray:
+def cap(angle: float, radius: float, rng: np.random.Generator, shift: tuple[float, float]) -> np.ndarray:
     """Uniform beads of a sphere that a plane cuts at the angle, anywhere on the wall, also across its edges."""
-    count = rng.poisson(density * (2.0 * radius) ** 3)
+    count = rng.poisson(DENSITY * (2.0 * radius) ** 3)
     places = (2.0 * rng.random((count, 3)) - 1.0) * radius
     height = -radius * np.cos(np.radians(angle))
     inside = (np.linalg.norm(places, axis=1) < radius) & (places[:, 2] + height > 0.0)
@@ -26,15 +27,15 @@ def cap(angle: float, radius: float, density: float, rng: np.random.Generator, s
 def test_angle_of_a_cap(angle: float) -> None:
     """Within 2 degrees: 60 frames of about 1000 beads place each layer's edge to about 0.05 Å of 6 Å."""
     rng = np.random.default_rng(4)
-    positions = [cap(angle, 6.0 if angle > 70 else 8.0, 3.0, rng, (11.0 + 0.1 * k, -10.5)) for k in range(60)]
+    positions = [cap(angle, 6.0 if angle > 70 else 8.0, rng, (11.0 + 0.1 * k, -10.5)) for k in range(60)]
     frames = [next(frames_of_arrays(places, CELL, species="L")) for places in positions]
     found = ContactAngle("L", WALL, bin_width=0.4, skip=0.8).of(frames)
     assert found.angle == pytest.approx(angle, abs=2.0)
     assert found.radius == pytest.approx(6.0 if angle > 70 else 8.0, abs=0.2)
-    assert found.liquid == pytest.approx(3.0, rel=0.05)
+    assert found.liquid == pytest.approx(DENSITY, rel=0.05)
     assert 0.0 < found.error < 1.5
     assert found.base == pytest.approx(found.radius * np.sin(np.radians(found.angle)), rel=1e-9)
-    assert [number.name for number in found.numbers()][0] == "contact angle"
+    assert found.numbers()[0].name == "contact angle"
     assert len(found.curves()[0].x) == len(found.surface)
 
 

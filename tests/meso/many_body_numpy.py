@@ -22,7 +22,7 @@ class Numbers:
     reach: float
 
 
-def warren(a: float, b: float, cutoff: float, reach: float) -> Numbers:
+def warren(a: float, cutoff: float, reach: float) -> Numbers:
     """Two-density form: force B (ρ̄_i + ρ̄_j)(1 − r/r_d), φ = π r_d⁴ B ρ̄/15 of the energy π r_d⁴ B ρ̄²/30."""
     return Numbers(
         a,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
-from pydlpoly import Scene, Simulation, single_point
+from pydlpoly import Scene, Simulation, SinglePoint, single_point
 from pydlpoly.engines.native import NativeEngine
 from pydlpoly.formats.records import FloatArray
 
@@ -32,9 +32,10 @@ def assert_judged(scene: Scene, expected: Judged, *, energy: bool = True) -> Non
     found, point = densities(scene), single_point(scene)
     assert np.abs(found - expected.densities).max() <= 1e-12 * expected.densities.max()
     assert np.abs(point.forces - expected.forces).max() <= 1e-11 * np.abs(expected.forces).max()
-    assert np.abs(point.stress * abs(np.linalg.det(scene.cell)) - expected.virial).max() <= 1e-11 * np.abs(
-        expected.virial
-    ).max()
+    assert (
+        np.abs(point.stress * abs(np.linalg.det(scene.cell)) - expected.virial).max()
+        <= 1e-11 * np.abs(expected.virial).max()
+    )
     if energy:
         assert point.energy["pair"] == pytest.approx(expected.energy, rel=1e-12)
 
@@ -49,7 +50,7 @@ def test_two_density_form(cell: ArrayLike) -> None:
         scene.beads.positions,
         scene.cell,
         scene.beads.species,
-        {(0, 0): warren(-40.0, b, 1.0, reach)},
+        {(0, 0): warren(-40.0, 1.0, reach)},
         lambda rho: 0.5 * strength * rho**2,
         lambda rho: strength * rho,
     )
@@ -119,7 +120,7 @@ def test_small_cell_counts_all_images() -> None:
         scene.beads.positions,
         scene.cell,
         scene.beads.species,
-        {(0, 0): warren(-40.0, 25.0, 1.0, reach)},
+        {(0, 0): warren(-40.0, 1.0, reach)},
         lambda rho: 0.5 * strength * rho**2,
         lambda rho: strength * rho,
         images=2,
@@ -201,7 +202,7 @@ def test_virial_is_the_slope_over_the_cell() -> None:
     """−∂U/∂ε of a stretched cell is the virial Σ F_a r_a, axis by axis."""
     places, cell = random_positions(200, 3.4, 6), np.full(3, 3.4)
 
-    def point(stretch: FloatArray):  # noqa: ANN202
+    def point(stretch: FloatArray) -> SinglePoint:
         scene = make_scene({"A": 200}, [SLAB], cell=cell * stretch, positions=places * stretch, control=NVE)
         return single_point(scene)
 

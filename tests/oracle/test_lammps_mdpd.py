@@ -75,7 +75,7 @@ def test_densities_and_forces(tmp_path: Path, cell: ArrayLike, species: int) -> 
     printed, rho = lammps_point(tmp_path, scene, coefficients)
     engine = NativeEngine(scene, seed=0, threads=1)
     engine.initialise()
-    assert rho.min() > 0.0
+    assert rho.max() > 5.0
     assert np.abs(engine.local_densities() - rho).max() <= 1e-12 * rho.max()
     point = single_point(scene)
     assert printed.forces is not None
@@ -89,9 +89,7 @@ def test_warren_kernel_is_another_fluid(tmp_path: Path) -> None:
     """The same configuration with the default kernel has other densities: 15/(2π) against 105/(16π) at contact."""
     lines = ["A A mdpd -40 25 1 0.75 18"]
     places = [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0]]
-    scenes = [
-        make_scene({"A": 2}, lines, cell=6.0, positions=places, control=control) for control in (LUCY, NVE)
-    ]
+    scenes = [make_scene({"A": 2}, lines, cell=6.0, positions=places, control=control) for control in (LUCY, NVE)]
     found = []
     for scene in scenes:
         engine = NativeEngine(scene, seed=0, threads=1)
