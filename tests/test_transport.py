@@ -497,7 +497,13 @@ EVERYTHING = (
 def everything(**control: str) -> Scene:
     return make_scene(
         {"A": 1200, "B": 800, "W": 100},
-        ["A A dpd 25.0 1.0 4.5", "A B dpd 30.0 1.0 4.5", "B B dpd 25.0 1.0 4.5", "A W dpd 25.0 1.0 4.5"],
+        [
+            "A A dpd 25.0 1.0 4.5",
+            "A B dpd 30.0 1.0 4.5",
+            "B B dpd 25.0 1.0 4.5",
+            "A W dpd 25.0 1.0 4.5",
+            "B W dpd 25.0 1.0 4.5",
+        ],
         cell=[9.0, 8.0, 9.7],
         frozen=["W"],
         control=control,

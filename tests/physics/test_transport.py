@@ -1,4 +1,4 @@
-"""Transport DPD against closed forms: diffusivity, LAMMPS's printed profiles and their analytic form, a Fisher front."""
+"""Transport DPD against closed forms: diffusivity, the profiles LAMMPS prints and their analytic form, a front."""
 
 from __future__ import annotations
 
