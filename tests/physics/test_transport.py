@@ -123,3 +123,30 @@ def test_profiles_with_root_noise_are_the_analytic_transient() -> None:
         assert np.abs(seen[k] - wanted).max() < 0.004
     for balance in simulation.species_balance():
         assert abs(balance.remainder) < 1e-12 * balance.now
+
+
+def test_a_front_runs_with_fishers_speed() -> None:
+    """The example's front against 2 √(K D) with the correction −(3/2) √(D/K)/t of its approach: 8 %.
+
+    D is the formula's and the beads' own. The amount of b grows by twice the front's way times the amount of a length.
+    """
+    scene = load(example_folder("reaction_front"))
+    simulation = Simulation(scene, seed=SEED)
+    length, rate = float(scene.cell[0, 0]), 0.5
+    density = scene.bead_count / float(np.linalg.det(scene.cell))
+    times, places = [], []
+    while simulation.time < 18.0:
+        simulation.run(50)
+        times.append(simulation.time)
+        places.append(0.5 * float(concentrations(simulation)[:, 1].sum()) / scene.bead_count * length)
+    own = float((simulation.displacements() ** 2).sum(axis=1).mean()) / (6.0 * simulation.time)
+    diffusivity = mean_field(density, 1.0, 1.5) + own
+    begin = next(k for k, time in enumerate(times) if time >= 8.0)
+    speed = (places[-1] - places[begin]) / (times[-1] - times[begin])
+    late = 2.0 * math.sqrt(rate * diffusivity)
+    correction = 1.5 * math.sqrt(diffusivity / rate) * math.log(times[-1] / times[begin])
+    wanted = late - correction / (times[-1] - times[begin])
+    assert speed == pytest.approx(wanted, rel=0.08)
+    assert 0.75 * late < speed < late
+    total = concentrations(simulation).sum(axis=1)
+    assert total.mean() == pytest.approx(1.0, rel=1e-13)
