@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from pydlpoly import Simulation, load
 from pydlpoly.cli import example_folder
-from pydlpoly.scene.model import Scene
 
 IMAGES = Path(__file__).parent / "images"
 EDGES = {"transport": (6.0, 20.0, 6.0), "reaction_front": (56.25, 4.8, 4.8)}
@@ -42,6 +41,15 @@ def configuration(name: str) -> str:
 def mean_field(density: float, kappa: float, reach: float) -> float:
     """Diffusivity of the exchange between neighbours without order, exponent 2."""
     return 2.0 * math.pi * density * kappa * reach**5 / 315.0
+
+
+def carried(own: float, density: float, kappa: float, reach: float) -> float:
+    """Diffusivity of what beads carry, from their own one at k_B T = mass = 1, exponent 2.
+
+    A bead gives away what it has at the rate λ = ρκ ∫w² dV, while its velocity is forgotten in the time τ = m D/k_B T:
+    of D_self = ∫⟨v v⟩ dt remains ∫⟨v v⟩ exp(−λt) dt = D_self/(1 + λτ).
+    """
+    return own / (1.0 + density * kappa * 4.0 * math.pi * reach**3 / 30.0 * own)
 
 
 def transient(y: Floats, diffusivity: float, rate: float, time: float) -> Floats:
@@ -85,10 +93,9 @@ def centres(length: float, count: int) -> Floats:
     return (np.arange(count) + 0.5) * (length / count) - 0.5 * length
 
 
-def own_diffusivity(simulation: Simulation, since: Floats, time: float) -> float:
-    """D of the beads from their displacements."""
-    moved = simulation.displacements() - since
-    return float((moved**2).sum(axis=1).mean()) / (6.0 * time)
+def own_diffusivity(simulation: Simulation, time: float) -> float:
+    """D of the beads from their displacements since the start."""
+    return float((simulation.displacements() ** 2).sum(axis=1).mean()) / (6.0 * time)
 
 
 def draw_profiles() -> None:
@@ -100,10 +107,11 @@ def draw_profiles() -> None:
     figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), sharey=True)
     for time, colour in ((1.0, "C0"), (3.0, "C1"), (6.0, "C2")):
         simulation.run(round(time / simulation.scene.dynamics.timestep) - simulation.step)
-        own = own_diffusivity(simulation, np.zeros((1, 3)), time)
+        own = own_diffusivity(simulation, time)
         for column, (axis, kappa, rate) in enumerate(zip(axes, (1.0, 3.0), (_RATE, -_RATE), strict=True)):
             axis.plot(y, layers(simulation, 1, _LAYERS, column), "o", color=colour, ms=4, label=f"t = {time:g}")
-            axis.plot(fine, transient(fine, mean_field(4.0, kappa, 1.58) + own, rate, time), color=colour, lw=1)
+            diffusivity = mean_field(4.0, kappa, 1.58) + carried(own, 4.0, kappa, 1.58)
+            axis.plot(fine, transient(fine, diffusivity, rate, time), color=colour, lw=1)
     for axis, name in zip(axes, ("first, kappa = 1", "second, kappa = 3"), strict=True):
         axis.set(title=name, xlabel="y")
     axes[0].set_ylabel("amount a bead")
@@ -123,18 +131,13 @@ def draw_front() -> None:
     figure, axis = plt.subplots(figsize=(9, 3.6))
     for number, time in enumerate((0.0, 5.0, 10.0, 15.0, 20.0)):
         simulation.run(round(time / scene.dynamics.timestep) - simulation.step)
-        diffusivity = front_diffusivity(scene) + (own_diffusivity(simulation, np.zeros((1, 3)), time) if time else 0.0)
+        own = own_diffusivity(simulation, time) if time else 0.0
+        diffusivity = mean_field(3.0, 1.0, 1.5) + carried(own, 3.0, 1.0, 1.5)
         axis.plot(x, layers(simulation, 0, count, 1), "o", color=f"C{number}", ms=3, label=f"t = {time:g}")
         axis.plot(fine, fisher(fine, start, diffusivity, 0.5, time), color=f"C{number}", lw=1)
     axis.set(xlabel="x", ylabel="b, amount a bead")
     axis.legend(frameon=False, ncols=5, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     _save(figure, "transport-front.png")
-
-
-def front_diffusivity(scene: Scene) -> float:
-    """D of the exchange in the example ``reaction_front``."""
-    density = scene.bead_count / float(np.linalg.det(scene.cell))
-    return mean_field(density, 1.0, 1.5)
 
 
 def _save(figure: object, name: str) -> None:
