@@ -22,6 +22,7 @@ __all__: list[str] = [
     "StepSettings",
     "System",
     "TemperatureSchedule",
+    "Transport",
     "bonded_laws",
     "charge_methods",
     "charge_shapes",
@@ -766,6 +767,74 @@ class System:
     def velocities(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None: ...
     @property
     def volume(self) -> float: ...
+
+class Transport:
+    """
+    Transport of dissolved species; see cpp/meso/species_transport.hpp.
+    """
+    def __init__(
+        self,
+        bead_species: typing.SupportsInt | typing.SupportsIndex,
+        dissolved: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None: ...
+    def add_hold(
+        self,
+        bead_species: typing.SupportsInt | typing.SupportsIndex,
+        dissolved: typing.SupportsInt | typing.SupportsIndex,
+        value: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None:
+        """
+        Beads of a species keep this concentration.
+        """
+    def add_reaction(
+        self,
+        rate: typing.SupportsFloat | typing.SupportsIndex,
+        reactants: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+        change: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        bead_species: typing.SupportsInt | typing.SupportsIndex = -1,
+    ) -> None:
+        """
+        Of one or two reactants; the change of every dissolved species in it; -1: in all beads.
+        """
+    def add_source(
+        self,
+        dissolved: typing.SupportsInt | typing.SupportsIndex,
+        rate: typing.SupportsFloat | typing.SupportsIndex,
+        region: str,
+        numbers: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+    ) -> None:
+        """
+        Amount a bead and time, everywhere, in the beads of a species, a box (x0 x1 y0 y1 z0 z1) or a sphere
+        (x y z radius).
+        """
+    def join(self, system: System) -> None:
+        """
+        Has the system take it in every step from now on.
+        """
+    def set_flux(
+        self,
+        a: typing.SupportsInt | typing.SupportsIndex,
+        b: typing.SupportsInt | typing.SupportsIndex,
+        dissolved: typing.SupportsInt | typing.SupportsIndex,
+        rate: typing.SupportsFloat | typing.SupportsIndex,
+        reach: typing.SupportsFloat | typing.SupportsIndex,
+        exponent: typing.SupportsFloat | typing.SupportsIndex,
+        noise: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None:
+        """
+        Exchange of a dissolved species between beads of two species.
+        """
+    def set_noise(self, noise: str) -> None:
+        """
+        off, sqrt or lammps.
+        """
+    @property
+    def tally(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        What sources, reactions and held beads have given, and what these sums lost to rounding: (6, n).
+        """
+    @tally.setter
+    def tally(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None: ...
 
 def bonded_laws() -> list[dict[str, typing.Any]]:
     """

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from pydlpoly.scene.model import Scene
-from pydlpoly.scene.transport_terms import Region, Transport
+from pydlpoly.scene.transport_terms import NO_BOUND, Region, Transport
 
 _NOISES = {
     "off": "without a random part",
@@ -58,17 +58,22 @@ def sentences(scene: Scene, transport: Transport) -> list[str]:
     return lines
 
 
+def _side(axis: str, low: float, high: float) -> str:
+    text = axis
+    if high < NO_BOUND:
+        text = f"{text} < {high:g}"
+    if low > -NO_BOUND:
+        text = f"{low:g} <= {text}"
+    return "" if text == axis else text
+
+
 def _where(scene: Scene, region: Region) -> str:
     numbers = region.numbers
     if region.kind == "species":
         return f"in {scene.species[int(numbers[0])]}"
     if region.kind == "box":
-        sides = [
-            f"{low:g} <= {axis} < {high:g}"
-            for axis, low, high in zip("xyz", numbers[::2], numbers[1::2], strict=True)
-            if math.isfinite(low) or math.isfinite(high)
-        ]
-        return "where " + " and ".join(sides) if sides else "everywhere"
+        sides = [_side(*side) for side in zip("xyz", numbers[::2], numbers[1::2], strict=True)]
+        return "where " + " and ".join(side for side in sides if side) if any(sides) else "everywhere"
     if region.kind == "sphere":
         x, y, z, radius = numbers
         return f"within {radius:g} of ({x:g} {y:g} {z:g})"

@@ -20,7 +20,7 @@ from pydlpoly.formats.transport_block import (
 from pydlpoly.scene.cell import widths
 from pydlpoly.scene.model import Beads
 from pydlpoly.scene.settings import Notes, place
-from pydlpoly.scene.transport_terms import Reaction, Region, SpeciesFlux, SpeciesValue, Transport
+from pydlpoly.scene.transport_terms import NO_BOUND, Reaction, Region, SpeciesFlux, SpeciesValue, Transport
 
 # Beyond this many cell widths several images of a pair would share their noise; as for the drag's.
 _MOST_WIDTHS = 2.5
@@ -161,7 +161,7 @@ class _Resolver:
             raise self._refusal(
                 f"the sphere is wider than the cell, {self.narrowest:g} ang", line, f"{words.numbers[3]:g}"
             )
-        return Region(words.kind, words.numbers)
+        return Region(words.kind, tuple(max(-NO_BOUND, min(NO_BOUND, number)) for number in words.numbers))
 
     def _reaction(self, line: ReactionLine) -> Reaction:
         index = self.block.species.index

@@ -5,8 +5,12 @@ A concentration C is an amount a bead, in a unit of the user's; C times the numb
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from typing import Literal
+
+NO_BOUND = sys.float_info.max
+"""Where a box does not end; infinity has no place in a checkpoint's JSON."""
 
 
 @dataclass(frozen=True)
@@ -15,7 +19,8 @@ class Region:
 
     Attributes:
         kind: "everywhere", "species" (the beads of one), "box" or "sphere".
-        numbers: the bead species; x0 x1 y0 y1 z0 z1 (may be infinite); x y z radius. Å from the centre of the cell.
+        numbers: the bead species; x0 x1 y0 y1 z0 z1 (−NO_BOUND or NO_BOUND for none); x y z radius. Å from the centre
+            of the cell.
     """
 
     kind: Literal["everywhere", "species", "box", "sphere"] = "everywhere"
