@@ -1,10 +1,10 @@
 """Extended XYZ: a line with the number of beads, a line of ``key=value``, and a line a bead, frame after frame.
 
-The columns are those that ASE understands, in ASE's units (Å, Da, e, eV; see ``pydlpoly.ase``): ``species`` and ``bead_types``
-hold the names, the first for OVITO, the second for ASE, which is told by ``Z`` 0 that a bead is no element; then
-``masses``, ``initial_charges``, ``momenta``, ``forces``, ``images`` and one column for each array of beads. ASE's functions
-read and write the line of keys; the lines of beads are written here, since ASE's writer keeps eight decimals, and here
-every number reads back to its last bit.
+The columns are those that ASE understands, in ASE's units (Å, Da, e, eV; see ``pydlpoly.ase``): ``species`` and
+``bead_types`` hold the names, the first for OVITO, the second for ASE, which is told by ``Z`` 0 that a bead is no
+element; then ``masses``, ``initial_charges``, ``momenta``, ``forces``, ``images`` and one column for each array of
+beads. ASE's functions read and write the line of keys; the lines of beads are written here, since ASE's writer keeps
+eight decimals, and here every number reads back to its last bit.
 """
 
 # mypy: allow-untyped-calls
@@ -58,8 +58,9 @@ class Writer(base.Writer):
                 raise InputError("cannot be the name of a column or a bead of extxyz", word=name)
         self._title = " ".join(topology.title.translate(_TITLE).split())
         self._reduced = topology.reduced
+        count = len(like.names)
         self._file = FrameFile(
-            path, b"", append=append, whole_length=lambda handle: _whole(handle, path, like, keep_until)
+            path, b"", append=append, whole_length=lambda handle: _whole(handle, path, count, keep_until)
         )
 
     def write(self, frame: Frame) -> None:
@@ -175,16 +176,15 @@ def _rows(columns: dict[str, tuple[str, Any]], count: int) -> Iterator[bytes]:
         yield "".join([line % row for row in zip(*part, strict=True)]).encode()
 
 
-def _whole(handle: IO[bytes], path: str, like: Frame, keep_until: int | None) -> int:
+def _whole(handle: IO[bytes], path: str, count: int, keep_until: int | None) -> int:
     """How many bytes of an existing file are whole frames of steps up to ``keep_until``."""
-    count, kept = len(like.names), 0
+    kept = 0
     while first := handle.readline():
         if not first.endswith(b"\n"):
             break
         if first.strip() != str(count).encode():
-            raise InputError(
-                f"cannot be continued: expected {count} beads in each frame", path=path, word=repr(first[:20])
-            )
+            message = f"cannot be continued: expected {count} beads in each frame"
+            raise InputError(message, path=path, word=first[:20].decode(errors="replace").strip())
         keys = handle.readline()
         if not keys.endswith(b"\n") or not _skip(handle, count):
             break
@@ -238,8 +238,8 @@ def _frame(lines: _Lines, first: str, number: int) -> Frame | None:
         return None
     lattice = keys.get("Lattice")
     cell = np.zeros((3, 3)) if lattice is None else np.ascontiguousarray(np.asarray(lattice, dtype=np.float64).T)
-    periodic = keys.get("pbc", [lattice is not None] * 3)
-    imcon = int(keys["imcon"]) if "imcon" in keys else base.imcon_of(cell, tuple(bool(on) for on in periodic))
+    x, y, z = (bool(on) for on in keys.get("pbc", [lattice is not None] * 3))
+    imcon = int(keys["imcon"]) if "imcon" in keys else base.imcon_of(cell, (x, y, z))
     return _made(table, keys, number, cell, imcon)
 
 
@@ -284,16 +284,12 @@ def _images(table: NDArray[Any]) -> IntArray:
 def _dtype(properties: str, lines: _Lines) -> np.dtype[Any]:
     fields = properties.split(":")
     kinds = list(zip(fields[::3], fields[1::3], fields[2::3], strict=False))
-    if len(fields) % 3 or not all(kind in _TYPES and width.isdecimal() for _, kind, width in kinds):
-        raise InputError(
-            "expected name:type:columns for all properties", path=lines.path, line=lines.number, word=properties
-        )
-    if "pos" not in fields[::3]:
-        raise InputError("there are no positions (pos)", path=lines.path, line=lines.number, word=properties)
-    parts = [
-        (name, _TYPES[kind], (int(width),)) if int(width) > 1 else (name, _TYPES[kind]) for name, kind, width in kinds
-    ]
-    return np.dtype(parts)
+    understood = len(fields) % 3 == 0 and all(kind in _TYPES and width.isdecimal() for _, kind, width in kinds)
+    if not understood or "pos" not in fields[::3]:
+        message = "expected name:type:columns for all properties, and positions (pos) among them"
+        raise InputError(message, path=lines.path, line=lines.number, word=properties)
+    shapes = [() if width == "1" else (int(width),) for _, _, width in kinds]
+    return np.dtype([(name, _TYPES[kind], shape) for (name, kind, _), shape in zip(kinds, shapes, strict=True)])
 
 
 def _table(lines: _Lines, dtype: np.dtype[Any], count: int) -> NDArray[Any] | None:

@@ -1,9 +1,9 @@
-"""GSD with HOOMD's schema, through the package gsd: numbers of beads in single precision, masses and charges also in double.
+"""GSD with HOOMD's schema, through the package gsd, in single precision.
 
 HOOMD's box is centred at the origin with a along x and b in the plane of x and y; a cell of another orientation is
-turned, and positions, velocities and forces with it. What the schema has no place for is logged: under ``pydlpoly/`` the
-cell as it is in the run, imcon, time, timestep and level, under ``particles/`` forces, exact masses and charges, and the
-arrays of beads.
+turned, and positions, velocities and forces with it. What the schema has no place for is logged: under ``pydlpoly/``
+the cell as it is in the run, imcon, time and timestep, under ``particles/`` forces, masses and charges in double
+precision, and the arrays of beads.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """H5MD 1.1 (de Buyl, Colberg and Höfling, Comput. Phys. Commun. 185, 1546 (2014)) in double precision, through h5py.
 
-The beads are the group ``particles/trajectory``: ``position``, ``velocity``, ``force``, ``image`` and every array of beads
-with their common ``step`` and ``time``; ``species`` (an enumeration of the names), ``mass`` and ``charge`` once. Bonded
-groups are lists in ``connectivity``. Units are Å, ps, Da, e and, for forces, kJ/(mol Å); there are none in reduced units.
+The beads are the group ``particles/trajectory``: ``position``, ``velocity``, ``force``, ``image`` and every array of
+beads with their common ``step`` and ``time``; ``species`` (an enumeration of the names), ``mass`` and ``charge`` once.
+Bonded groups are lists in ``connectivity``. Units are Å, ps, Da, e and, for forces, kJ/(mol Å); there are none in
+reduced units.
 
 The file is open while a frame is written and at no other time, in HDF5's SWMR mode, in which it is whole whenever the
 writer is killed. A frame counts when its step is there, which comes last.
@@ -127,11 +128,8 @@ class Writer(base.Writer):
             if keep_until is not None:
                 wanted &= steps <= keep_until
             kept = len(steps) if wanted.all() else int(np.argmin(wanted))
-            for dataset in (
-                group["position/step"],
-                group["position/time"],
-                *(group[n]["value"] for n in _moving(group)),
-            ):
+            growing = [group[f"{name}/value"] for name in _moving(group)]
+            for dataset in (group["position/step"], group["position/time"], *growing):
                 if len(dataset) > kept:
                     dataset.resize(kept, axis=0)
 

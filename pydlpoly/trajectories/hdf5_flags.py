@@ -1,8 +1,8 @@
 """Takes back the mark of an open file that a killed program leaves in an HDF5 file, as the tool ``h5clear -s`` does.
 
 A file that is written in SWMR mode (single writer, multiple readers) is whole at any time, but says in its superblock
-that a writer has it open. After a kill it still does, and HDF5 refuses it. The superblock's layout (version 2 and 3) and
-its checksum, Bob Jenkins' lookup3, are those of the HDF5 File Format Specification, sections II.A and II.
+that a writer has it open. After a kill it still does, and HDF5 refuses it. The superblock's layout (versions 2 and 3)
+and its checksum, Bob Jenkins' lookup3, are those of the HDF5 File Format Specification.
 """
 
 from __future__ import annotations
