@@ -30,6 +30,7 @@ from pydlpoly.formats.control import read_control, write_control
 from pydlpoly.runner import RunResult, run_scene
 from pydlpoly.scene import Scene, load
 from pydlpoly.scene.model import Precision
+from pydlpoly.trajectories.convert import TARGETS, convert_trajectory
 
 EXIT_REFUSED, EXIT_USAGE, EXIT_STOPPED, EXIT_INTERRUPTED = 1, 2, 3, 130
 _MOST_THREADS = 1024
@@ -151,23 +152,42 @@ def explain(
 
 @app.command()
 def convert(
-    source: Annotated[Path, typer.Argument(help="A CONTROL file of either style; with --to dl_poly a folder.")],
+    source: Annotated[
+        Path, typer.Argument(help="A CONTROL file of either style; with --to dl_poly a folder; or a trajectory.")
+    ],
     *,
     to: Annotated[
-        str, typer.Option(help="new | old: the style of CONTROL to write; dl_poly: CONTROL, FIELD and CONFIG.")
+        str,
+        typer.Option(
+            help="new | old: the style of CONTROL to write; dl_poly: CONTROL, FIELD and CONFIG; history | extxyz | gsd "
+            "| h5md | dcd: a trajectory; config: one of its frames."
+        ),
     ] = "new",
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="File (with dl_poly folder) to write; default: standard output."),
+        typer.Option(
+            "--output",
+            "-o",
+            help="File (with dl_poly folder) to write; default: standard output, of trajectories beside SOURCE.",
+        ),
+    ] = None,
+    frame: Annotated[
+        int | None, typer.Option(help="Number of a trajectory's frame, from 0 on; -1 is the last, CONFIG's default.")
     ] = None,
     lenient: Lenient = False,
 ) -> None:
-    """Rewrite CONTROL in the other style, or a folder in DL_MESO's dialect as files of DL_POLY."""
+    """Rewrite CONTROL in the other style, a folder in DL_MESO's dialect, or a trajectory in another format."""
+    if to in TARGETS:
+        typer.echo(f"written: {convert_trajectory(source, to, output, frame=frame)}")
+        return
+    if frame is not None:
+        raise typer.BadParameter("belongs to trajectories", param_hint="--frame")
     if to == "dl_poly":
         _convert_folder(source, output, lenient=lenient)
         return
     if to not in ("new", "old"):
-        raise typer.BadParameter(f"'{to}' is nothing to write; expected new, old or dl_poly", param_hint="--to")
+        expected = ", ".join(("new", "old", "dl_poly", *TARGETS))
+        raise typer.BadParameter(f"'{to}' is nothing to write; expected one of {expected}", param_hint="--to")
     record = read_control(source, lenient=lenient)
     if record.meso is not None:
         message = (

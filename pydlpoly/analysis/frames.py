@@ -17,11 +17,12 @@ from numpy.typing import ArrayLike, NDArray
 from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import PathLike
 from pydlpoly.formats.blocks import BlockSums, standard_error
-from pydlpoly.formats.history_reader import Frame, read_history
+from pydlpoly.formats.history_reader import Frame
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.trajectories import read
 
 Source = PathLike | Iterable[Frame]
-"""A HISTORY file, or frames from elsewhere (``frames_of_arrays``, ``molecule_centres``, a list)."""
+"""A trajectory in any format, or frames from elsewhere (``frames_of_arrays``, ``molecule_centres``, a list)."""
 
 Result = TypeVar("Result", covariant=True)
 _IMCON = {(True, True, True): 3, (True, True, False): 6, (False, False, False): 0}
@@ -64,8 +65,8 @@ def analyse(source: Source, *analyses: Analysis[Any], start: int = 0, every: int
 
 
 def frames_of(source: Source) -> Iterator[Frame]:
-    """Return the frames of a HISTORY file, or those given."""
-    return read_history(source) if isinstance(source, (str, os.PathLike)) else iter(source)
+    """Return the frames of a trajectory in any format, or those given."""
+    return read(source) if isinstance(source, (str, os.PathLike)) else iter(source)
 
 
 def frames_of_arrays(

@@ -44,6 +44,7 @@ class Format:
         extension: of its files, with the point; empty for HISTORY.
         needs: the package that writes it, empty when none beside pydlpoly's own is needed.
         reads: the package that reads it.
+        upright: cells are turned so that a lies along x and b in the plane of x and y; they must be right-handed.
         companion: extension of the second file that belongs to it, empty when there is none.
     """
 
@@ -52,6 +53,7 @@ class Format:
     extension: str
     needs: str = ""
     reads: str = ""
+    upright: bool = False
     companion: str = ""
 
     def files(self, stem: str) -> tuple[str, ...]:
@@ -69,9 +71,9 @@ FORMATS: dict[str, Format] = {
     for one in (
         Format("history", "DL_POLY's HISTORY", ""),
         Format("extxyz", "extended XYZ, for ASE and OVITO", ".extxyz"),
-        Format("gsd", "GSD with HOOMD's schema, for HOOMD, OVITO and MDAnalysis", ".gsd", "gsd", "gsd"),
+        Format("gsd", "GSD with HOOMD's schema, for HOOMD, OVITO and MDAnalysis", ".gsd", "gsd", "gsd", upright=True),
         Format("h5md", "H5MD 1.1 (HDF5), for MDAnalysis and VMD", ".h5md", "h5py", "h5py"),
-        Format("dcd", "DCD with a PSF beside it, for VMD and MDAnalysis", ".dcd", "", "MDAnalysis", ".psf"),
+        Format("dcd", "DCD with a PSF beside it, for VMD and MDAnalysis", ".dcd", "", "MDAnalysis", True, ".psf"),
     )
 }
 """Every format by its name."""
