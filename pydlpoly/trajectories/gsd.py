@@ -128,11 +128,15 @@ class Writer(base.Writer):
                 if not len(self._frames):
                     log[f"{_LOG}exact_{name}"] = values
         if not len(self._frames):
-            self._once(made, log)
+            self._once(log)
+        for kind, links in self._topology.links.items():  # written once, since they are those of the first frame
+            group = getattr(made, _GROUPS[kind])
+            group.N, group.types = len(links.beads), list(links.names)
+            group.typeid, group.group = links.kinds.astype(np.uint32), links.beads.astype(np.int32)
         made.log = log
         return made
 
-    def _once(self, made: Any, log: dict[str, Any]) -> None:
+    def _once(self, log: dict[str, Any]) -> None:
         """What the first frame alone says; it counts for all."""
         # The schema has zeros for what is not there.
         log["pydlpoly/holds"] = np.array([name in base.what_is_there(self._like) for name in _HELD], dtype=np.int8)
@@ -140,10 +144,6 @@ class Writer(base.Writer):
         log["pydlpoly/title"] = np.frombuffer(self._topology.title.encode() or b" ", dtype=np.uint8)
         if self._topology.molecules is not None:
             log[f"{_LOG}molecule"] = self._topology.molecules.astype(np.int32)
-        for kind, links in self._topology.links.items():
-            group = getattr(made, _GROUPS[kind])
-            group.N, group.types = len(links.beads), list(links.names)
-            group.typeid, group.group = links.kinds.astype(np.uint32), links.beads.astype(np.int32)
 
 
 class Reader(base.CountedReader):
