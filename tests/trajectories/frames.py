@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from pydlpoly.formats.frame import Frame
@@ -28,34 +26,31 @@ def frames(
     """Frames of steps 10 first, 10 (first + 1), … of the same beads."""
     kinds = np.arange(beads) % len(NAMES)
     names = tuple(NAMES[k] for k in kinds)
-    random = np.random.default_rng(5 + first)
     box = CELLS[imcon] if cell is None else cell
-    return [
-        Frame(
-            names,
-            np.arange(1, beads + 1),
-            MASSES[kinds],
-            CHARGES[kinds],
-            np.full(beads, np.nan),
-            (random.random((beads, 3)) - 0.5) @ box,
-            random.normal(size=(beads, 3)) if level >= 1 else None,
-            100.0 * random.normal(size=(beads, 3)) if level >= 2 else None,
-            step=10 * k,
-            time=0.1 * k,
-            timestep=0.01,
-            level=level,
-            imcon=imcon,
-            cell=box,
-            images=random.integers(-3, 4, (beads, 3)),
-            arrays={"density": random.random(beads), "concentration_A": random.random(beads)},
-        )
-        for k in range(first, first + count)
-    ]
+    return [_frame(10 * k, names, kinds, imcon, level, box) for k in range(first, first + count)]
 
 
-def bare(frame: Frame) -> Frame:
-    """The frame without what HISTORY and DCD cannot hold."""
-    return replace(frame, images=None, arrays={})
+def _frame(step: int, names: tuple[str, ...], kinds: np.ndarray, imcon: int, level: int, box: np.ndarray) -> Frame:
+    beads = len(names)
+    random = np.random.default_rng(5 + step)
+    return Frame(
+        names,
+        np.arange(1, beads + 1),
+        MASSES[kinds],
+        CHARGES[kinds],
+        np.full(beads, np.nan),
+        (random.random((beads, 3)) - 0.5) @ box,
+        random.normal(size=(beads, 3)) if level >= 1 else None,
+        100.0 * random.normal(size=(beads, 3)) if level >= 2 else None,
+        step=step,
+        time=0.01 * step,
+        timestep=0.01,
+        level=level,
+        imcon=imcon,
+        cell=box,
+        images=random.integers(-3, 4, (beads, 3)),
+        arrays={"density": random.random(beads), "concentration_A": random.random(beads)},
+    )
 
 
 def topology(beads: int = 23) -> Topology:

@@ -1,4 +1,4 @@
-"""ASE, OVITO, MDAnalysis, HOOMD's own package gsd and h5py open what is written, and see the same beads in the same cell.
+"""ASE, OVITO, MDAnalysis, gsd and h5py open what is written, and see the same beads in the same cell.
 
 OVITO's package is large (some 200 MB) and not in the extra ``test``; its tests run where it is installed.
 """

@@ -178,7 +178,7 @@ def test_frames_that_hold_something_else_are_refused(tmp_path: Path, name: str) 
     file = written(tmp_path, name, made)
     with (
         open_writer(name, file, made[0], topology(), append=True) as writer,
-        pytest.raises(InputError, match="holds .*density"),
+        pytest.raises(InputError, match=r"holds .*density"),
     ):
         writer.write(frames(1, level=0, first=1)[0])
 
