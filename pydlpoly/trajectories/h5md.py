@@ -59,6 +59,7 @@ class Writer(base.Writer):
         keep_until: int | None = None,
     ) -> None:
         super().__init__(path, like)
+        self._force = 1.0 if topology.reduced else _FORCE
         self._h5py = base.package("h5py", _USER)
         taken = [name for name in like.arrays if name in (*_ELEMENTS, *_FIXED, "step", "time") or "/" in name]
         if taken:
@@ -75,7 +76,7 @@ class Writer(base.Writer):
             file.swmr_mode = True
             group = file[_GROUP]
             index = len(group["position/step"])
-            for name, values in _values(frame).items():
+            for name, values in _values(frame, self._force).items():
                 _put(group[name]["value"], index, values)
             file.flush()
             _put(group["position/time"], index, np.nan if frame.time is None else frame.time)
@@ -120,7 +121,7 @@ class Writer(base.Writer):
             if (
                 group is None
                 or _names(group) != self._like.names
-                or sorted(_moving(group)) != sorted({"box/edges", *_values(self._like)})
+                or sorted(_moving(group)) != sorted({"box/edges", *_values(self._like, 1.0)})
             ):
                 raise InputError("cannot be continued: it has other beads, or other numbers of them", path=self.path)
             steps = group["position/step"][:]
@@ -273,7 +274,7 @@ def _elements(file: Any, like: Frame, units: dict[str, str]) -> None:
     time = group.create_dataset("position/time", dtype="f8", **kind)
     if "time" in units:
         time.attrs["unit"] = units["time"]
-    for name, values in _values(like).items():
+    for name, values in _values(like, 1.0).items():
         made = group.require_group(name)
         if name != "position":
             made["step"], made["time"] = step, time  # hard links
@@ -289,13 +290,13 @@ def _elements(file: Any, like: Frame, units: dict[str, str]) -> None:
             value.attrs["unit"] = unit
 
 
-def _values(frame: Frame) -> dict[str, Any]:
-    """What a frame puts into the datasets that grow."""
+def _values(frame: Frame, force: float) -> dict[str, Any]:
+    """What a frame puts into the datasets that grow; ``force`` is one Da Å/ps² in the file's unit."""
     values = {
         "box/edges": np.asarray(frame.cell, dtype=np.float64),
         "position": frame.positions,
         "velocity": frame.velocities,
-        "force": None if frame.forces is None else frame.forces * _FORCE,
+        "force": None if frame.forces is None else frame.forces * force,
         "image": None if frame.images is None else frame.images.astype(np.int32),
         **{name: np.asarray(array, dtype=np.float64) for name, array in frame.arrays.items()},
     }

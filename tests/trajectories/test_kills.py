@@ -41,7 +41,7 @@ with open_writer(name, path, made, topology({BEADS}), append=first > 0, keep_unt
 def killed_writer(name: str, path: Path, first: int, delay: float) -> int:
     """Write frames from number ``first`` on in another process, kill it, and return how many it said are finished."""
     line = [sys.executable, "-c", PROGRAM, name, str(path), str(first)]
-    with subprocess.Popen(line, stdout=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(line, stdout=subprocess.PIPE, text=True, cwd=path.parent) as process:
         assert process.stdout is not None
         said = [process.stdout.readline()]  # begin to count when the first frame is there
         time.sleep(delay)
