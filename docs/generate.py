@@ -19,6 +19,7 @@ from pydlpoly.formats.control import read_control
 from pydlpoly.formats.diagnostics import COLUMNS
 from pydlpoly.formats.keywords import KEYWORDS, SYNONYMS, Keyword
 from pydlpoly.formats.statis import STATISTICS_NAMES
+from pydlpoly.trajectories import FORMATS
 from pydlpoly.units import (
     AVOGADRO,
     BOLTZMANN,
@@ -198,6 +199,15 @@ def python_names() -> str:
     return table(["name", "what it is"], rows)
 
 
+def trajectory_formats() -> str:
+    """Return the registry of trajectory formats."""
+    rows = []
+    for one in FORMATS.values():
+        files = ", ".join(code(name) for name in one.files("TRAJECTORY" if one.extension else "HISTORY"))
+        rows.append([code(one.name), one.description, files, code(one.needs), code(one.reads)])
+    return table(["name", "format", "files", "package to write", "package to read"], rows)
+
+
 def examples() -> str:
     """Return the shipped examples with the titles of their CONTROL files."""
     rows = ([code(name), read_control(example_folder(name) / "CONTROL").title] for name in example_names())
@@ -217,6 +227,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "constants": constants,
     "python-names": python_names,
     "examples": examples,
+    "trajectory-formats": trajectory_formats,
 }
 """The generated parts by name."""
 
