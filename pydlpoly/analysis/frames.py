@@ -1,4 +1,4 @@
-"""What analyses read: frames of a HISTORY file, one after the other, or of arrays.
+"""What analyses read: frames of a trajectory, one after the other, or of arrays.
 
 An analysis takes frames one at a time, so that several share one pass over a file and no trajectory is held in memory.
 """
@@ -40,7 +40,7 @@ class Analysis(ABC, Generic[Result]):
         """Return the quantity over all frames so far. Raises InputError when there were too few."""
 
     def of(self, source: Source, *, start: int = 0, every: int = 1) -> Result:
-        """Return the quantity of a HISTORY file or of frames, from frame ``start`` on, every so many."""
+        """Return the quantity of a trajectory or of frames, from frame ``start`` on, every so many."""
         analyse(source, self, start=start, every=every)
         return self.result()
 
@@ -49,7 +49,7 @@ def analyse(source: Source, *analyses: Analysis[Any], start: int = 0, every: int
     """Show every frame to each of the analyses in one pass, and return how many frames there were.
 
     Args:
-        source: a HISTORY file or frames.
+        source: a trajectory in any format, or frames.
         analyses: what to collect; ask each for its ``result()`` afterwards.
         start: number of frames to leave out at the beginning.
         every: take every so many of the rest.

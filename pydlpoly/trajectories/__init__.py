@@ -94,7 +94,7 @@ def open_reader(path: PathLike) -> Reader:
     """
     name = os.fspath(path)
     if not Path(path).is_file():
-        raise InputError("there is no such file; expected a trajectory", path=name)
+        raise InputError("cannot be read: there is no such file; expected a trajectory", path=name)
     found = format_of(path) or FORMATS["history"]
     reader: Reader = import_module(f"pydlpoly.trajectories.{found.name}").Reader(name)
     return reader

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import pydlpoly
-from pydlpoly.analysis import MeanSquareDisplacement
+from pydlpoly.analysis import MeanSquareDisplacement, universe
 from pydlpoly.cli import example_folder, main
 from pydlpoly.errors import InputError, SceneError
 from pydlpoly.formats.config import read_config
@@ -320,6 +320,21 @@ def test_molecules_are_seen_by_other_programs(tmp_path: Path) -> None:
         assert bonds.names == ("H-T", "T-T")
         expected = np.concatenate([term.beads for term in scene.bonded.terms if term.kind == "bond"])
         np.testing.assert_array_equal(bonds.beads, expected)
+
+
+@pytest.mark.parametrize("name", ["gsd", "h5md", "dcd"])
+def test_universe_of_a_scene_and_its_trajectory(out: Path, name: str) -> None:
+    scene = pydlpoly.load(out.parent / "in")
+    made = universe(scene, out / FILES[name])
+    assert len(made.trajectory) == 5
+    made.trajectory[-1]
+    np.testing.assert_allclose(made.atoms.positions, read_frame(out / "HISTORY").positions, atol=1e-6)
+
+
+def test_analyse_on_the_command_line(out: Path, cli: Callable[..., tuple[object, str]]) -> None:
+    texts = [cli("analyse", out / file, "--rdf") for file in ("HISTORY", "TRAJECTORY.h5md")]
+    assert texts[0][0] == texts[1][0] == 0
+    assert texts[1][1].replace("TRAJECTORY.h5md", "HISTORY") == texts[0][1]
 
 
 # -- Memory -----------------------------------------------------------------------------------------------------------
