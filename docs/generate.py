@@ -26,6 +26,7 @@ from pydlpoly.formats.keywords import KEYWORDS, SYNONYMS, Keyword
 from pydlpoly.formats.statis import STATISTICS_NAMES
 from pydlpoly.gallery import gallery, relative_cost
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS
+from pydlpoly.trajectories import FORMATS
 from pydlpoly.units import (
     AVOGADRO,
     BOLTZMANN,
@@ -205,6 +206,15 @@ def python_names() -> str:
     return table(["name", "what it is"], rows)
 
 
+def trajectory_formats() -> str:
+    """Return the registry of trajectory formats."""
+    rows = []
+    for one in FORMATS.values():
+        files = ", ".join(code(name) for name in one.files("TRAJECTORY" if one.extension else "HISTORY"))
+        rows.append([code(one.name), one.description, files, code(one.needs), code(one.reads)])
+    return table(["name", "format", "files", "package to write", "package to read"], rows)
+
+
 def examples() -> str:
     """Return the shipped examples: a table, and the pictures there are."""
     headers = ["name", "shows", "beads", "steps", "time", "files"]
@@ -290,6 +300,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "lammps-bonded-laws": lammps_bonded_laws,
     "lammps-integrators": lammps_integrators,
     "lammps-charges": lammps_charges,
+    "trajectory-formats": trajectory_formats,
 }
 """The generated parts by name."""
 

@@ -36,6 +36,7 @@ from pydlpoly.planning.cli import plan
 from pydlpoly.runner import RunResult, run_scene
 from pydlpoly.scene import Scene, load
 from pydlpoly.scene.model import Precision
+from pydlpoly.trajectories.convert import TARGETS, convert_trajectory
 
 EXIT_REFUSED, EXIT_USAGE, EXIT_STOPPED, EXIT_INTERRUPTED = 1, 2, 3, 130
 _MOST_THREADS = 1024
@@ -175,27 +176,44 @@ def explain(
 @app.command()
 def convert(
     source: Annotated[
-        Path, typer.Argument(help="A CONTROL file of either style; with --to dl_poly and lammps a folder.")
+        Path,
+        typer.Argument(
+            help="A CONTROL file of either style; with --to dl_poly and lammps a folder; or a trajectory."
+        ),
     ],
     *,
     to: Annotated[
         str,
         typer.Option(
-            help="new | old: the style of CONTROL to write; dl_poly: CONTROL, FIELD and CONFIG; lammps: a script."
+            help="new | old: the style of CONTROL to write; dl_poly: CONTROL, FIELD and CONFIG; lammps: a script; history "
+            "| extxyz | gsd | h5md | dcd: a trajectory; config: one of its frames."
         ),
     ] = "new",
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="File (or folder, with --to's folder) to write; default: standard output."),
+        typer.Option(
+            "--output",
+            "-o",
+            help="File (or folder, with --to's folder) to write; default: standard output, of trajectories beside SOURCE.",
+        ),
+    ] = None,
+    frame: Annotated[
+        int | None, typer.Option(help="Number of a trajectory's frame, from 0 on; -1 is the last, CONFIG's default.")
     ] = None,
     lenient: Lenient = False,
 ) -> None:
-    """Rewrite CONTROL in the other style, a folder in DL_MESO's dialect as files of DL_POLY, or a folder for LAMMPS."""
+    """Rewrite CONTROL in the other style, a folder in DL_MESO's dialect or for LAMMPS, or a trajectory."""
+    if to in TARGETS:
+        typer.echo(f"written: {convert_trajectory(source, to, output, frame=frame)}")
+        return
+    if frame is not None:
+        raise typer.BadParameter("belongs to trajectories", param_hint="--frame")
     if to in ("dl_poly", "lammps"):
         _convert_folder(source, output, to, lenient=lenient)
         return
     if to not in ("new", "old"):
-        raise typer.BadParameter(f"'{to}' is nothing to write; expected new, old, dl_poly or lammps", param_hint="--to")
+        expected = ", ".join(("new", "old", "dl_poly", "lammps", *TARGETS))
+        raise typer.BadParameter(f"'{to}' is nothing to write; expected one of {expected}", param_hint="--to")
     record = read_control(source, lenient=lenient)
     if record.meso is not None:
         message = (

@@ -36,6 +36,8 @@ from pydlpoly.scene.beads_state import carried_names
 from pydlpoly.scene.model import Scene
 from pydlpoly.simulation import Reporter, Simulation
 from pydlpoly.stress_profile import StressProfile
+from pydlpoly.trajectories import FORMATS
+from pydlpoly.trajectories.reporter import FormatsReporter
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)  # batch systems announce the end of a job with the second
 _SCREEN = "SCREEN"
@@ -101,8 +103,8 @@ def run_scene(
         folder: where the files go; made when it does not exist.
         steps: total number of steps in place of the scene's.
         threads, seed: as for ``Simulation``; a run that continues has the checkpoint's seed.
-        checkpoint: continue from this file instead of starting anew. STATIS, DIAGNOSTICS and HISTORY are appended to;
-            records of steps after the checkpoint's are dropped first, since they are computed anew.
+        checkpoint: continue from this file instead of starting anew. STATIS, DIAGNOSTICS and trajectories are appended
+            to; records of steps after the checkpoint's are dropped first, since they are computed anew.
         progress: show a progress bar on a terminal.
         callbacks: functions and their intervals in steps, as for ``Simulation.add_callback``.
         engine, ranks, accelerator: as for ``Simulation``.
@@ -209,6 +211,7 @@ def _file_names(scene: Scene) -> list[str]:
         output.statistics_file if output.statistics_every > 0 else None,
         output.diagnostics_file if output.diagnostics_every > 0 else None,
         output.trajectory_file if output.trajectory_every > 0 else None,
+        *(_format_files(scene) if output.trajectory_every > 0 else ()),
         output.rdf_file if output.rdf_every > 0 else None,
         output.profile.file if output.profile.every > 0 else None,
         output.correlations.file if output.correlations.terms else None,
@@ -222,6 +225,11 @@ def _file_names(scene: Scene) -> list[str]:
         output.checkpoint_file,
     ]
     return [name for name in names if name is not None]
+
+
+def _format_files(scene: Scene) -> tuple[str, ...]:
+    output = scene.output
+    return tuple(file for name in output.trajectory_formats for file in FORMATS[name].files(output.trajectory_stem))
 
 
 def _prepare_folder(folder: Path, scene: Scene, *, keep: bool) -> None:
@@ -287,10 +295,14 @@ def _reporters(
                 diagnostics = DiagnosticsReporter(simulation, folder / output.diagnostics_file, append=append)
                 opened.callback(diagnostics.close)
                 files.append(diagnostics)
-            if output.trajectory_every > 0:
+            if output.trajectory_every > 0 and output.trajectory_file:
                 trajectory = TrajectoryReporter(simulation, folder / output.trajectory_file, append=append)
                 opened.callback(trajectory.close)
                 files.append(trajectory)
+            if output.trajectory_every > 0 and output.trajectory_formats:
+                formats = FormatsReporter(simulation, folder, append=append)
+                opened.callback(formats.close)
+                files.append(formats)
             for sampler in _samplers(simulation, folder, append=append):
                 opened.callback(sampler.close)
                 files.append(sampler)

@@ -1,4 +1,4 @@
-"""``pydlpoly analyse``: quantities of a HISTORY file on the terminal, in files and as a picture."""
+"""``pydlpoly analyse``: quantities of a trajectory on the terminal, in files and as a picture."""
 
 from __future__ import annotations
 
@@ -34,7 +34,8 @@ from pydlpoly.scene import Scene, load
 
 def analyse_command(
     source: Annotated[
-        Path, typer.Argument(help="HISTORY, or a folder with it (and FIELD, for molecules); or PROFILE or MAP.")
+        Path,
+        typer.Argument(help="A trajectory, or a folder with HISTORY (and FIELD, for molecules); or PROFILE or MAP."),
     ],
     *,
     rdf: Annotated[bool, typer.Option("--rdf", help="Radial distributions of all pairs of species.")] = False,

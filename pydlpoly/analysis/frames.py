@@ -1,4 +1,4 @@
-"""What analyses read: frames of a HISTORY file, one after the other, or of arrays.
+"""What analyses read: frames of a trajectory, one after the other, or of arrays.
 
 An analysis takes frames one at a time, so that several share one pass over a file and no trajectory is held in memory.
 """
@@ -17,11 +17,12 @@ from numpy.typing import ArrayLike, NDArray
 from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import PathLike
 from pydlpoly.formats.blocks import BlockSums, standard_error
-from pydlpoly.formats.history_reader import Frame, read_history
+from pydlpoly.formats.history_reader import Frame
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.trajectories import read
 
 Source = PathLike | Iterable[Frame]
-"""A HISTORY file, or frames from elsewhere (``frames_of_arrays``, ``molecule_centres``, a list)."""
+"""A trajectory in any format, or frames from elsewhere (``frames_of_arrays``, ``molecule_centres``, a list)."""
 
 Result = TypeVar("Result", covariant=True)
 _IMCON = {(True, True, True): 3, (True, True, False): 6, (False, False, False): 0}
@@ -39,7 +40,7 @@ class Analysis(ABC, Generic[Result]):
         """Return the quantity over all frames so far. Raises InputError when there were too few."""
 
     def of(self, source: Source, *, start: int = 0, every: int = 1) -> Result:
-        """Return the quantity of a HISTORY file or of frames, from frame ``start`` on, every so many."""
+        """Return the quantity of a trajectory or of frames, from frame ``start`` on, every so many."""
         analyse(source, self, start=start, every=every)
         return self.result()
 
@@ -48,7 +49,7 @@ def analyse(source: Source, *analyses: Analysis[Any], start: int = 0, every: int
     """Show every frame to each of the analyses in one pass, and return how many frames there were.
 
     Args:
-        source: a HISTORY file or frames.
+        source: a trajectory in any format, or frames.
         analyses: what to collect; ask each for its ``result()`` afterwards.
         start: number of frames to leave out at the beginning.
         every: take every so many of the rest.
@@ -64,8 +65,8 @@ def analyse(source: Source, *analyses: Analysis[Any], start: int = 0, every: int
 
 
 def frames_of(source: Source) -> Iterator[Frame]:
-    """Return the frames of a HISTORY file, or those given."""
-    return read_history(source) if isinstance(source, (str, os.PathLike)) else iter(source)
+    """Return the frames of a trajectory in any format, or those given."""
+    return read(source) if isinstance(source, (str, os.PathLike)) else iter(source)
 
 
 def frames_of_arrays(

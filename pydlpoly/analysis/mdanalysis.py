@@ -1,4 +1,4 @@
-"""A scene and its HISTORY as an MDAnalysis Universe, for everything that MDAnalysis does well."""
+"""A scene and its trajectory as an MDAnalysis Universe, for everything that MDAnalysis does well."""
 
 from __future__ import annotations
 
@@ -10,14 +10,16 @@ import numpy as np
 from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import PathLike
 from pydlpoly.scene.model import Scene
+from pydlpoly.trajectories import FORMATS, format_of
 
 
 def universe(scene: Scene, history: PathLike | None = None) -> Any:
-    """Return ``MDAnalysis.Universe`` with the scene's beads, molecules and bonds, and the frames of a HISTORY file.
+    """Return ``MDAnalysis.Universe`` with the scene's beads, molecules and bonds, and the frames of a trajectory.
 
     Bead names and types are species, residues are molecules (numbered from 1, named after their type), masses and
-    charges are the scene's, bonds those of FIELD. Without ``history`` the positions are the scene's. MDAnalysis holds
-    coordinates in single precision, in Å, with the cell's corner at the origin or not as the file has them.
+    charges are the scene's, bonds those of FIELD. ``history`` is a HISTORY file, or one whose ending MDAnalysis knows,
+    as .gsd, .h5md and .dcd; without it the positions are the scene's. MDAnalysis holds coordinates in single precision,
+    in Å, with the cell's corner at the origin or not as the file has them.
 
     Raises:
         InputError: MDAnalysis is missing (``pip install MDAnalysis``), or HISTORY has other beads.
@@ -51,7 +53,9 @@ def universe(scene: Scene, history: PathLike | None = None) -> Any:
         made.dimensions = triclinic_box(*scene.cell)
         return made
     try:
-        made.load_new(os.fspath(history), format="HISTORY")
+        found = format_of(history)
+        units = {"convert_units": False} if found is FORMATS["h5md"] and scene.units.reduced else {}
+        made.load_new(os.fspath(history), format="HISTORY" if found is None else None, **units)
     except (OSError, ValueError, IndexError) as error:
         raise InputError(f"MDAnalysis cannot read it for this scene: {error}", path=os.fspath(history)) from error
     return made

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable
+from dataclasses import fields
 from itertools import islice
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from pydlpoly.errors import InputError, InputWarning
 from pydlpoly.formats.fortran import parse_real, parse_reals
+from pydlpoly.formats.frame import Beads
 from pydlpoly.formats.plain_lines import plain_heads, plain_vectors
 from pydlpoly.formats.records import FloatArray, IntArray
 
@@ -50,19 +52,6 @@ class Lines:
         if message not in self._warned:
             self._warned.add(message)
             warnings.warn(InputWarning(f"{self.path}:{self.number}: {message.format(value)}"), stacklevel=5)
-
-
-class Beads(NamedTuple):
-    """The last attributes of a ``Frame``, for some or all of its beads."""
-
-    names: tuple[str, ...]
-    indices: IntArray
-    masses: FloatArray
-    charges: FloatArray
-    displacements: FloatArray
-    positions: FloatArray
-    velocities: FloatArray | None = None
-    forces: FloatArray | None = None
 
 
 def plain_beads(lines: Lines, count: int, level: int) -> tuple[list[Beads], int]:
@@ -119,7 +108,8 @@ def join_beads(parts: list[Beads]) -> Beads:
     known: dict[str, str] = {}  # one string object a species, not one a bead
     names = [known.setdefault(name, name) for part in parts for name in part.names]
     indices = np.concatenate([part.indices for part in parts])
-    columns: list[list[Any]] = [[part[place] for part in parts] for place in range(2, len(Beads._fields))]
+    rest = [column.name for column in fields(Beads)[2:]]
+    columns: list[list[Any]] = [[getattr(part, name) for part in parts] for name in rest]
     parts.clear()
     arrays: list[FloatArray | None] = []
     for column in columns:

@@ -9,19 +9,19 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
 from pydlpoly.errors import InputError, InputWarning
 from pydlpoly.formats.fortran import parse_real
+from pydlpoly.formats.frame import Frame
 from pydlpoly.formats.history_beads import Lines
 
 _LEVEL = 3
 
 
-def compressed_frames(lines: Lines, beads: int, imcon: int) -> Iterator[tuple[Any, ...]]:
-    """Read frame by frame; the values are those of ``Frame`` in its order, masses and charges NaN.
+def compressed_frames(lines: Lines, beads: int, imcon: int) -> Iterator[Frame]:
+    """Read frame by frame; masses and charges are NaN.
 
     Raises:
         InputError: a frame begins with another word, or holds words where numbers should be.
@@ -48,9 +48,14 @@ def compressed_frames(lines: Lines, beads: int, imcon: int) -> Iterator[tuple[An
         names = tuple(line[:6].strip() for line in block[3:])
         indices = np.arange(1, beads + 1)
         positions = np.ascontiguousarray(numbers[:, 1:])
-        yield (
-            *(int(step), time, timestep, _LEVEL, imcon, np.array(cell)),
+        yield Frame(
             *(names, indices, unknown, unknown, numbers[:, 0], positions),
+            step=int(step),
+            time=time,
+            timestep=timestep,
+            level=_LEVEL,
+            imcon=imcon,
+            cell=np.array(cell),
         )
 
 

@@ -14,9 +14,12 @@ import numpy as np
 from pydlpoly.errors import InputError, InputWarning
 from pydlpoly.formats.atomic import PathLike
 from pydlpoly.formats.fortran import parse_real
+from pydlpoly.formats.frame import Frame
 from pydlpoly.formats.history_beads import Lines, careful_beads, join_beads, plain_beads, three_numbers
 from pydlpoly.formats.history_compressed import compressed_frames
-from pydlpoly.formats.records import FloatArray, IntArray
+from pydlpoly.formats.records import FloatArray
+
+__all__ = ["Frame", "HistoryHeader", "read_history", "read_history_header"]
 
 _RECORD = 72  # characters of DL_POLY's records
 
@@ -36,35 +39,6 @@ class HistoryHeader:
     beads: int = 0
     frames: int = 0
     records: int = 0
-
-
-@dataclass(frozen=True, eq=False)
-class Frame:
-    """One configuration of a trajectory, beads in the order of their indices.
-
-    Attributes:
-        step: number of the step; time, timestep: in ps, None where the file does not give them.
-        level, imcon: of this frame.
-        cell: (3, 3) one cell vector a row in Å; zeros where the frame has none.
-        names: species names; indices: (N,) as in the file, 1 … N where it has none.
-        masses: (N,) in Da; charges: (N,) in e; displacements: (N,) in Å. NaN where the file does not give them.
-        positions: (N, 3) in Å; velocities: (N, 3) in Å/ps or None; forces: (N, 3) in Da Å/ps² or None.
-    """
-
-    step: int
-    time: float | None
-    timestep: float | None
-    level: int
-    imcon: int
-    cell: FloatArray
-    names: tuple[str, ...]
-    indices: IntArray
-    masses: FloatArray
-    charges: FloatArray
-    displacements: FloatArray
-    positions: FloatArray
-    velocities: FloatArray | None = None
-    forces: FloatArray | None = None
 
 
 def read_history_header(path: PathLike) -> HistoryHeader:
@@ -99,7 +73,7 @@ def read_history_lines(handle: Iterable[str], name: str) -> Iterator[Frame]:
     lines = Lines(handle, name)
     header = _header(lines)
     if header.level == 3:
-        yield from (Frame(*values) for values in compressed_frames(lines, header.beads, header.imcon))
+        yield from compressed_frames(lines, header.beads, header.imcon)
         return
     while (line := lines.next()) is not None:
         if not line.strip():
@@ -176,7 +150,8 @@ def _frame(lines: Lines, first: str, header: HistoryHeader) -> Frame | None:
             return None
         parts.append(careful_beads(block, level, lines))
     timestep, time = [*reals, None, None][:2]
-    return Frame(step, time, timestep, level, imcon, cell, *join_beads(parts))
+    beads_read = vars(join_beads(parts))
+    return Frame(**beads_read, step=step, time=time, timestep=timestep, level=level, imcon=imcon, cell=cell)
 
 
 def _content(block: list[str]) -> int:

@@ -18,6 +18,7 @@ from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
 from pydlpoly.scene.laws import pair_laws
 from pydlpoly.scene.model import CorrelationPlan, Note, PairTerm, ProfilePlan, Scene
 from pydlpoly.scene.transport_terms import Transport
+from pydlpoly.trajectories import FORMATS
 from pydlpoly.units import BOLTZMANN
 
 _WIDTH = 100
@@ -501,6 +502,10 @@ def _output(scene: Scene) -> list[str]:
         (plan.statistics_file, plan.statistics_every, f"statistics{yaml}"),
         (plan.diagnostics_file, plan.diagnostics_every, "kinetic and configurational temperature, drifts, pressure"),
         (plan.trajectory_file, plan.trajectory_every, trajectory),
+        *(
+            (FORMATS[name].files(plan.trajectory_stem)[0], plan.trajectory_every, f"{trajectory} in {name}")
+            for name in plan.trajectory_formats
+        ),
         (
             plan.rdf_file,
             plan.rdf_every,

@@ -20,6 +20,7 @@ from pydlpoly.scene.beads_state import STATE_EXTENSIONS
 from pydlpoly.scene.dl_meso import adapt, adapt_configuration, start_configuration
 from pydlpoly.scene.model import Scene
 from pydlpoly.scene.resolve import resolve
+from pydlpoly.trajectories import configuration_of, format_of, open_reader
 
 Path_ = str | PathLike[str]
 
@@ -53,9 +54,8 @@ def load(
         directory: the folder of the files; without it CONTROL's folder, or the current one.
         control, field, config: a file in place of the usual one (relative to ``directory`` when that is given), or a
             record that is already there. Without ``field`` and ``config``, CONTROL's own ``io_file_field`` and
-            ``io_file_config`` say what the files are called.
-        beads: what beads carry at the start; by default BEADS beside the other files (``io_file_beads``), where FIELD
-            has beads carry something and the configuration is no record.
+            ``io_file_config`` say what the files are called. The last frame of a trajectory whose name has the ending
+            of its format, such as TRAJECTORY.gsd, can take CONFIG's place.
         lenient: slips that cannot change the physics become warnings, where the readers know such slips.
 
     Raises:
@@ -106,7 +106,7 @@ def read_records(
     if not isinstance(config, Configuration):
         name = str(value_in(control, "io_file_config"))
         path = _find(folder, config, name, "the start configuration", "io_file_config or the argument config")
-        config = read_config(path, ignore_indices=bool(value_in(control, "ignore_config_indices")))
+        config = _configuration(path, ignore_indices=bool(value_in(control, "ignore_config_indices")))
     control, beads, paths = _beads(folder, control, field, beads, beside_config=beside_config)
     control, adapted = adapt_configuration(control, field, config)
     if beads is not None and adapted.names != config.names:
@@ -132,6 +132,13 @@ def _beads(
         return replace(control, remarks=(*control.remarks, remark)), None, ()
     path = _find(folder, None, path.name if named is None else str(named.value), "what beads carry", "io_file_beads")
     return control, read_beads(path), (str(path),)
+
+
+def _configuration(path: Path, *, ignore_indices: bool) -> Configuration:
+    if format_of(path) is None:
+        return read_config(path, ignore_indices=ignore_indices)
+    reader = open_reader(path)
+    return configuration_of(reader.frame(-1), title=reader.topology.title, path=str(path))
 
 
 def _is_dl_meso(folder: Path, field: Path_ | Field | None) -> bool:

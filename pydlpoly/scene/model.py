@@ -463,6 +463,7 @@ class OutputPlan:
 
     ``output_file`` "SCREEN" is the standard output. ``trajectory_level`` is DL_POLY's: 0 positions, 1 and velocities,
     2 and forces, 3 compressed. ``rdf_pairs`` holds the pairs of species to be collected, empty when ``rdf_every`` is 0.
+    ``trajectory_formats`` are written beside HISTORY, named ``trajectory_stem`` with the format's ending.
     ``zden_bins`` lie over the height of the cell. ``vaf_every`` is the interval between samples of ``vaf_steps`` steps.
     """
 
@@ -474,6 +475,7 @@ class OutputPlan:
     trajectory_start: int = 0
     trajectory_every: int = 0
     trajectory_level: int = 0
+    trajectory_formats: tuple[str, ...] = ()
     rdf_every: int = 0
     rdf_bin_width: float = 0.05
     rdf_pairs: tuple[tuple[int, int], ...] = ()
@@ -481,7 +483,8 @@ class OutputPlan:
     output_file: str | None = "OUTPUT"
     statistics_file: str = "STATIS"
     diagnostics_file: str = "DIAGNOSTICS"
-    trajectory_file: str = "HISTORY"
+    trajectory_file: str | None = "HISTORY"
+    trajectory_stem: str = "TRAJECTORY"
     rdf_file: str | None = "RDFDAT"
     configuration_file: str | None = "REVCON"
     checkpoint_file: str | None = "REVIVE"

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from pydlpoly.errors import SceneError, suggest
 from pydlpoly.formats.records import Field, FloatArray
 from pydlpoly.scene.bins import resolve_map, resolve_profile_bins
 from pydlpoly.scene.model import OutputPlan, PairTerm
 from pydlpoly.scene.settings import Notes, Settings
 from pydlpoly.scene.stress import resolve_correlations, resolve_profile
+from pydlpoly.trajectories import FORMATS
 
 _TRAJECTORY_LEVELS = {"pos": 0, "pos-vel": 1, "pos-vel-force": 2}
 # DL_POLY keeps rolling averages over at least this many steps.
@@ -41,6 +44,7 @@ def resolve_output(
     rdf_every = _interval(settings, "rdf_frequency") if settings.switch("rdf_calculate") else 0
     trajectory_file, statistics_file = settings.file_name("io_file_history"), settings.file_name("io_file_statis")
     trajectory_every = _interval(settings, "traj_interval") if settings.switch("traj_calculate") else 0
+    formats = _trajectory_formats(settings, cell) if trajectory_every else ()
     statistics_every = _interval(settings, "stats_frequency")
     diagnostics_file = settings.file_name("io_file_diagnostics")
     diagnostics_every = _interval(settings, "diagnostics_frequency")
@@ -60,8 +64,9 @@ def resolve_output(
         stack_size=_stack_size(settings, notes),
         statistics_yaml=settings.switch("io_statis_yaml"),
         trajectory_start=_interval(settings, "traj_start"),
-        trajectory_every=trajectory_every if trajectory_file else 0,
+        trajectory_every=trajectory_every if trajectory_file or formats else 0,
         trajectory_level=_TRAJECTORY_LEVELS[settings.word("traj_key")],
+        trajectory_formats=formats,
         rdf_every=rdf_every,
         rdf_bin_width=widths["rdf"],
         rdf_pairs=_rdf_pairs(field, species, pairs) if rdf_every else (),
@@ -69,7 +74,8 @@ def resolve_output(
         output_file=settings.file_name("io_file_output"),
         statistics_file=statistics_file or "STATIS",
         diagnostics_file=diagnostics_file or "DIAGNOSTICS",
-        trajectory_file=trajectory_file or "HISTORY",
+        trajectory_file=trajectory_file if trajectory_file or formats else "HISTORY",
+        trajectory_stem=settings.text("io_file_trajectory") if formats else "TRAJECTORY",
         rdf_file=settings.file_name("io_file_rdf") if settings.switch("rdf_print") else None,
         configuration_file=settings.file_name("io_file_revcon"),
         checkpoint_file=settings.file_name("io_file_revive"),
@@ -87,6 +93,27 @@ def resolve_output(
         bead_profile=resolve_profile_bins(settings),
         bead_map=resolve_map(settings),
     )
+
+
+def _trajectory_formats(settings: Settings, cell: FloatArray) -> tuple[str, ...]:
+    """Return the formats that are written beside HISTORY.
+
+    Raises:
+        SceneError: a word that is no format, a format whose package is missing or that cannot hold the cell.
+    """
+    text = settings.text("traj_format").strip()
+    words = text.removeprefix("[").removesuffix("]").replace(",", " ").lower().split()
+    for word in words:
+        if word not in FORMATS:
+            message = f"{word!r} is no format of trajectories: known are {', '.join(FORMATS)}{suggest(word, FORMATS)}"
+            raise settings.refusal("traj_format", message)
+        if not FORMATS[word].can_write:
+            message = f"{word} needs the package {FORMATS[word].needs}: pip install 'pydlpoly[trajectories]'"
+            raise settings.refusal("traj_format", message)
+        if FORMATS[word].upright and np.linalg.det(cell) < 0.0:
+            message = f"{word} cannot hold the left-handed cell of CONFIG; exchange two of its vectors"
+            raise settings.refusal("traj_format", message)
+    return tuple(word for word in dict.fromkeys(words) if word != "history")
 
 
 def _interval(settings: Settings, keyword: str) -> int:
