@@ -10,11 +10,11 @@ import numpy as np
 
 from pydlpoly import _core
 from pydlpoly.formats.records import FloatArray
-from pydlpoly.scene import explain_bonded
+from pydlpoly.scene import explain_bonded, explain_heat
 from pydlpoly.scene.cell import widths
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
 from pydlpoly.scene.laws import pair_laws
-from pydlpoly.scene.model import CorrelationPlan, Note, PairTerm, ProfilePlan, Scene
+from pydlpoly.scene.model import CorrelationPlan, Heat, Note, PairTerm, ProfilePlan, Scene
 from pydlpoly.units import BOLTZMANN
 
 _WIDTH = 100
@@ -48,6 +48,7 @@ def explain(scene: Scene) -> str:
         ("Pair table", _pairs(scene)),
         ("Bonded terms", _bonded(scene)),
         ("Electrostatics", _electrostatics(scene)),
+        *([("Heat", _heat(scene, scene.heat))] if scene.heat is not None else []),
         ("Cutoffs and link cells", _cutoffs(scene)),
         ("Plan", _plan(scene)),
         ("Long-range correction", _long_range(scene)),
@@ -314,6 +315,11 @@ def _electrostatics(scene: Scene) -> list[str]:
     if frozen:
         texts.append(f"{frozen} of the charged beads are frozen; what acts between them is in no energy or pressure")
     return [line for text in texts for line in _wrap(text)]
+
+
+def _heat(scene: Scene, heat: Heat) -> list[str]:
+    table = _table(*explain_heat.headers_and_rows(scene, heat)) if heat.terms else []
+    return [*table, *(line for text in explain_heat.sentences(scene, heat) for line in _wrap(text))]
 
 
 def _cutoffs(scene: Scene) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from pydlpoly.scene.charges import Strength, resolve_charges
 from pydlpoly.scene.constraints import left_by, resolve_constraints
 from pydlpoly.scene.dynamics import check_limits, resolve_dynamics, resolve_run, settle_momentum, start_velocities
 from pydlpoly.scene.external import ON_CHARGES, resolve_external
+from pydlpoly.scene.heat import resolve_heat
 from pydlpoly.scene.interactions import (
     check_image_noise,
     long_range_correction,
@@ -128,7 +130,6 @@ def resolve(
         walls,
     )
     tails = long_range_correction(settings, pairs, periodic, notes)
-    settings.finish(notes)
     scene = Scene(
         title=control.title or field.title,
         units=units,
@@ -149,7 +150,6 @@ def resolve(
         molecule_names=tuple(molecule.name for molecule in field.molecules),
         molecule_counts=tuple(molecule.count for molecule in field.molecules),
         field_units=field_units,
-        notes=notes.all(),
         sources=tuple(sources) or (control.path, field.path, config.path),
         bonded=bonded,
         constraints=constraints,
@@ -157,7 +157,9 @@ def resolve(
         electrostatics=electrostatics,
     )
     check_profile(scene, settings)
-    return scene
+    scene = resolve_heat(field, scene, settings, notes)
+    settings.finish(notes)
+    return replace(scene, notes=notes.all())
 
 
 def _beads(layout: Layout, positions: FloatArray, velocities: FloatArray | None) -> Beads:
