@@ -54,7 +54,7 @@ def test_long_steps_do_not_overshoot() -> None:
 def test_pairs_of_unequal_beads_share_their_energy_as_counting_says(precision: str) -> None:
     """ε_A/E of a pair has the density x^C_A (1 − x)^C_B: a beta distribution. Error 0.0004 of the mean, by 900 pairs."""
     a, b = 8.0, 30.0
-    block = heat(f"capacity A {a}", f"capacity B {b}", "pair A B kappa 0.02 range 1.0 conductivity 0.6 0 0 0")
+    block = heat(f"capacity A {a}", f"capacity B {b}", "pair A B kappa 0.1 range 1.0 conductivity 0.6 0 0 0")
     scene = resting_pairs(900, 0.3, block, 0.02, start_seed=1)
     simulation = Simulation(scene, seed=11, precision=precision)  # type: ignore[arg-type]
     simulation.run(400)
@@ -91,7 +91,7 @@ def test_drag_and_noise_conserve_the_energy(order: str) -> None:
     scene = fluid(block, order=order, laws=("A A dpd 0.0 1.0 4.5",), timestep=0.02)
     simulation = Simulation(scene, seed=2)
     rng = np.random.default_rng(1)
-    set_temperatures(simulation, rng.uniform(0.5, 1.5, 375))
+    set_temperatures(simulation, rng.uniform(1.0, 2.0, 375))
     start = simulation.observe().energy
     simulation.run(1)
     first = simulation.observe().energy["conserved"]
@@ -99,7 +99,7 @@ def test_drag_and_noise_conserve_the_energy(order: str) -> None:
     end = simulation.observe().energy
     assert end["conserved"] == pytest.approx(start["conserved"], rel=2e-13)
     assert first == pytest.approx(start["conserved"], rel=2e-13)
-    assert abs(end["internal"] - start["internal"]) > 1.0  # energy did change its form
+    assert start["internal"] - end["internal"] > 100.0  # energy did change its form
 
 
 @pytest.mark.parametrize("order", ["mdvv", "first", "ou-middle"])
@@ -135,8 +135,8 @@ def test_bead_temperatures_fluctuate_as_their_heat_capacity_says() -> None:
     simulation = Simulation(fluid(block, timestep=0.02), seed=7)
     simulation.run(500)
     samples, kinetic = [], []
-    for _ in range(150):
-        simulation.run(10)
+    for _ in range(200):
+        simulation.run(20)
         samples.append(temperatures(simulation))
         kinetic.append(simulation.temperature)
     t = np.array(samples)

@@ -10,12 +10,13 @@ namespace dlpoly {
 void HeatForces::prepare(PairForces& pairs, const Box& /*box*/, const Particles& particles,
                          [[maybe_unused]] int threads) {
     const std::vector<std::uint32_t>& order = pairs.order();
-    temperature_.resize(order.size());
+    beads_.resize(order.size());
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static) num_threads(threads)
 #endif
     for (std::size_t k = 0; k < order.size(); ++k) {
-        temperature_[k] = particles.temperature[order[k]];
+        const std::uint32_t id = order[k];
+        beads_[k] = {particles.temperature[id], pairs_->held[id] != 0 ? 0.0 : 1.0 / particles.heat_capacity[id]};
     }
 }
 
@@ -45,21 +46,24 @@ void HeatForces::change_motion(const PairBatch& batch, BatchResult& result, cons
     const bool weight_varies = pairs_->weight_varies(term);
     const bool drag_varies = pairs_->drag_varies(term);
     for (std::size_t k = 0; k < batch.size; ++k) {
-        const double a = temperature_[batch.i.values[k]];
-        const double b = temperature_[batch.j.values[k]];
+        const Bead& one = beads_[batch.i.values[k]];
+        const Bead& other = beads_[batch.j.values[k]];
+        const double a = one.temperature;
+        const double b = other.temperature;
         const double average = 0.5 * (a + b);
+        const double closeness = 1.0 - std::sqrt(batch.distance_squared.values[k]) / drag.cutoff;
         double factor = 1.0;  // of γ w^D
         if (drag_varies) {
             factor = pairs_->drag_factor(term, average);
         }
         if (weight_varies) {
-            const double closeness = 1.0 - std::sqrt(batch.distance_squared.values[k]) / drag.cutoff;
             const double change = pairs_->weight_exponent(term, average) - request.weight_exponent;
             // Outside the drag's own range both are 0 already, and so close to it that the power overflows.
             factor *= closeness > 0.0 ? std::pow(closeness, change) : 0.0;
             factor = std::isfinite(factor) ? factor : 0.0;
         }
-        result.drag.values[k] *= factor;
+        result.drag.values[k] *=
+            factor * (1.0 + pairs_->drag_of_noise(term, a, b, one.inverse_capacity, other.inverse_capacity, closeness));
         result.noise.values[k] *= std::sqrt(factor * HeatPairs::thermal_energy(a, b) / pairs_->reference());
     }
 }

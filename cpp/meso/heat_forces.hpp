@@ -24,12 +24,17 @@ class HeatForces final : public PairModifier {
     void change_curvature(const PairBatch& batch, double* curvature) const override;
 
   private:
+    struct Bead {
+        double temperature;
+        double inverse_capacity;  // 0 where the temperature is held
+    };
+
     [[nodiscard]] double mean(const PairBatch& batch, std::size_t k) const noexcept {
-        return 0.5 * (temperature_[batch.i.values[k]] + temperature_[batch.j.values[k]]);
+        return 0.5 * (beads_[batch.i.values[k]].temperature + beads_[batch.j.values[k]].temperature);
     }
 
     std::shared_ptr<const HeatPairs> pairs_;
-    std::vector<double> temperature_;  // sorted
+    std::vector<Bead> beads_;  // sorted
 };
 
 }  // namespace dlpoly

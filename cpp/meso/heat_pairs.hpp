@@ -61,6 +61,24 @@ class HeatPairs {
     [[nodiscard]] bool weight_varies(std::uint32_t term) const noexcept { return pairs_[term].weight != none; }
     [[nodiscard]] bool drag_varies(std::uint32_t term) const noexcept { return pairs_[term].drag != none; }
 
+    // What heat capacities add to the drag of two beads, relative to it: ½ (∂/∂ε_a + ∂/∂ε_b)(γ w^D T_r)/(γ w^D) with
+    // T_r of thermal_energy(), because an impulse also changes the temperatures that its noise depends on. Of order
+    // 1/C.
+    [[nodiscard]] double drag_of_noise(std::uint32_t term, double a, double b, double inverse_capacity_a,
+                                       double inverse_capacity_b, double closeness) const noexcept {
+        constexpr double least = -0.5, most = 1.0;  // it is the first term of a series
+        const double of_a = 1.0 / (a / b + 1.0), of_b = 1.0 / (b / a + 1.0);
+        double sum = 2.0 * (inverse_capacity_a * of_a * of_a + inverse_capacity_b * of_b * of_b);
+        if (drag_varies(term) || weight_varies(term)) {
+            const double x = 0.5 * (a + b) / reference_ - 1.0;
+            const HeatPair& pair = pairs_[term];
+            const double log_slope = slope(pair.drag, x) / value(pair.drag, x) +
+                                     weight_exponent_ * slope(pair.weight, x) * std::log(closeness);
+            sum += 0.5 * (inverse_capacity_a + inverse_capacity_b) * thermal_energy(a, b) * log_slope / reference_;
+        }
+        return std::isfinite(sum) ? std::clamp(0.5 * sum, least, most) : 0.0;
+    }
+
     // κ at the mean temperature of a pair, and dκ/dT̄.
     struct Conductivity {
         double value = 0.0;
@@ -73,9 +91,7 @@ class HeatPairs {
         if (!(kappa > 0.0)) {
             return {};
         }
-        const HeatPair::Polynomial& c = pair.conduction;
-        const double slope = c[0] + x * (2.0 * c[1] + x * (3.0 * c[2] + x * 4.0 * c[3]));
-        return {kappa, pair.conductivity * slope / reference_};
+        return {kappa, pair.conductivity * slope(pair.conduction, x) / reference_};
     }
 
     std::vector<std::uint8_t> held;  // by id: the temperature of these beads stays what it is
@@ -86,6 +102,10 @@ class HeatPairs {
 
     static double value(const HeatPair::Polynomial& c, double x) noexcept {
         return 1.0 + x * (c[0] + x * (c[1] + x * (c[2] + x * c[3])));
+    }
+
+    static double slope(const HeatPair::Polynomial& c, double x) noexcept {
+        return c[0] + x * (2.0 * c[1] + x * (3.0 * c[2] + x * 4.0 * c[3]));
     }
 
     std::vector<HeatPair> pairs_;  // by term

@@ -75,7 +75,9 @@ void PairSweep::gather_heat(const Particles& particles, const HeatPairs& pairs, 
 #endif
     for (std::size_t k = 0; k < beads; ++k) {
         const std::uint32_t id = order[k];
-        heat_[k] = {particles.temperature[id], particles.heat_capacity[id], 0.0, pairs.held[id] != 0};
+        const bool held = pairs.held[id] != 0;
+        const double capacity = particles.heat_capacity[id];
+        heat_[k] = {particles.temperature[id], capacity, held ? 0.0 : 1.0 / capacity, 0.0, held};
     }
 }
 
@@ -107,10 +109,15 @@ PairSituation PairSweep::situation(const Row& row, std::size_t k, const SweepSet
     if constexpr (heated) {
         const HeatPairs& heat = *settings.heat;
         const std::uint32_t term = row.term[k];
-        const double a = heat_[row.i[k]].temperature;
-        const double b = heat_[row.j[k]].temperature;
+        const Heat& one = heat_[row.i[k]];
+        const Heat& other = heat_[row.j[k]];
+        const double a = one.temperature;
+        const double b = other.temperature;
         const double mean = 0.5 * (a + b);
-        pair.thermal_energy = HeatPairs::thermal_energy(a, b);
+        const double more =
+            1.0 + heat.drag_of_noise(term, a, b, one.inverse_capacity, other.inverse_capacity, closeness);
+        pair.drag *= more;
+        pair.thermal_energy = HeatPairs::thermal_energy(a, b) / more;
         if (heat.drag_varies(term)) {
             pair.drag *= heat.drag_factor(term, mean);
         }

@@ -74,7 +74,7 @@ class PairSweep {
     // Of a bead that carries heat: its temperature before the sweep, by which coefficients go, and what it gained
     // since.
     struct Heat {
-        double temperature, capacity, gained;
+        double temperature, capacity, inverse_capacity, gained;
         bool held;
 
         [[nodiscard]] bool has(double more) const noexcept {

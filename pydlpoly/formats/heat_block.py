@@ -17,7 +17,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from math import inf
 from typing import Literal, NoReturn
 
 from pydlpoly.errors import InputError, suggest
@@ -29,6 +28,8 @@ ViscousHeating = Literal["conserving", "lammps"]
 Repulsion = Literal["constant", "scaled"]
 RegionKind = Literal["box", "sphere", "species"]
 NO_TERMS: Polynomial = (0.0, 0.0, 0.0, 0.0)
+OPEN = 1e30
+"""Bounds of a layer where it has none, Å."""
 
 
 @dataclass(frozen=True)
@@ -235,7 +236,7 @@ class _Reader:
         if kind == "sphere":
             return "sphere", line.numbers("x y z R")
         axis = "xyz".index(line.choice(("x", "y", "z"), "an axis"))
-        bounds = [-inf, inf] * 3
+        bounds = [-OPEN, OPEN] * 3
         bounds[2 * axis : 2 * axis + 2] = line.numbers("LOW HIGH")
         return "box", tuple(bounds)
 

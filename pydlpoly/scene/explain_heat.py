@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
+from pydlpoly.formats.heat_block import OPEN
 from pydlpoly.scene.model import Heat, HeatSource, Scene
 
 
@@ -67,6 +66,6 @@ def _place(scene: Scene, source: HeatSource) -> str:
     bounds = [
         f"{low:g} <= {axis} < {high:g}"
         for axis, low, high in zip("xyz", numbers[::2], numbers[1::2], strict=True)
-        if math.isfinite(low) or math.isfinite(high)
+        if low > -OPEN or high < OPEN
     ]
     return ", ".join(bounds)
