@@ -36,7 +36,7 @@ def resting_pairs(count: int, distance: float, block: str, timestep: float, **ch
     """``count`` pairs of an A and a B that rest at a distance, far from all other pairs."""
     side = int(np.ceil(count ** (1 / 3)))
     places = 4.0 * (np.stack(np.meshgrid(*[np.arange(side)] * 3), axis=-1).reshape(-1, 3)[:count] + 0.25 - side / 2)
-    positions = np.concatenate([places, places + [distance, 0.0, 0.0]])
+    positions = np.concatenate([places, places + np.array([distance, 0.0, 0.0])])
     laws = ("A A dpd 0.0 1.0", "A B dpd 0.0 1.0", "B B dpd 0.0 1.0")
     control = {**NVE, STEP: f"{timestep} internal_t"}
     return make_scene(

@@ -52,7 +52,7 @@ def test_long_steps_do_not_overshoot() -> None:
 
 @pytest.mark.parametrize("precision", ["double", "reference"])
 def test_pairs_of_unequal_beads_share_their_energy_as_counting_says(precision: str) -> None:
-    """ε_A/E of a pair has the density x^C_A (1 − x)^C_B: a beta distribution. Error 0.0004 of the mean, by 900 pairs."""
+    """ε_A/E of a pair has the density x^C_A (1 − x)^C_B: a beta distribution. Error of the mean 0.0004."""
     a, b = 8.0, 30.0
     block = heat(f"capacity A {a}", f"capacity B {b}", "pair A B kappa 0.1 range 1.0 conductivity 0.6 0 0 0")
     scene = resting_pairs(900, 0.3, block, 0.02, start_seed=1)

@@ -228,7 +228,16 @@ class _Reader:
             else:
                 c1, c2, c3, c4 = (line.number_of(f"coefficient {k} of 4 of {word}") for k in range(1, 5))
                 terms[word] = (c1, c2, c3, c4)
-        return HeatPairLine((a, b), **numbers, **terms, line=line.number)
+        return HeatPairLine(
+            (a, b),
+            numbers.get("kappa", 0.0),
+            numbers.get("range", 0.0),
+            numbers.get("exponent", 2.0),
+            terms.get("power", NO_TERMS),
+            terms.get("conductivity", NO_TERMS),
+            terms.get("drag", NO_TERMS),
+            line.number,
+        )
 
     def _shape(self, line: _Words, kind: str) -> tuple[RegionKind, tuple[float, ...]]:
         if kind == "box":

@@ -51,7 +51,9 @@ class _Resolver:
     def scene(self) -> Scene:
         scene, names = self._scene, self._scene.species
         capacity, start = self._capacities()
-        walls = {names.index(wall.species): self._temperature(wall.temperature, wall.line) for wall in self._block.walls}
+        walls = {
+            names.index(wall.species): self._temperature(wall.temperature, wall.line) for wall in self._block.walls
+        }
         for number, temperature in walls.items():
             start[number] = temperature
         species = scene.beads.species
