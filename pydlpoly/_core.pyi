@@ -16,6 +16,7 @@ __all__: list[str] = [
     "CellMotion",
     "ChargeNumbers",
     "ChargeSettings",
+    "HeatPairs",
     "Order",
     "PairTable",
     "Precision",
@@ -30,6 +31,8 @@ __all__: list[str] = [
     "evaluate_charge",
     "evaluate_pair",
     "has_threads",
+    "heat_account",
+    "internal_energy",
     "mix",
     "mixing_rules",
     "pair_laws",
@@ -37,6 +40,9 @@ __all__: list[str] = [
     "pair_range",
     "pair_tail",
     "philox",
+    "present_kinetic_energy",
+    "set_heat",
+    "set_heat_account",
     "set_threads",
     "thread_limit",
     "word_noise",
@@ -768,6 +774,42 @@ class System:
     @property
     def volume(self) -> float: ...
 
+class HeatPairs:
+    """
+    Coefficients of beads that carry heat; see cpp/meso/heat_pairs.hpp.
+    """
+
+    scaled_repulsion: bool
+    def __init__(
+        self,
+        species: typing.SupportsInt | typing.SupportsIndex,
+        reference: typing.SupportsFloat | typing.SupportsIndex,
+        weight_exponent: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+    def set(
+        self,
+        a: typing.SupportsInt | typing.SupportsIndex,
+        b: typing.SupportsInt | typing.SupportsIndex,
+        conductivity: typing.SupportsFloat | typing.SupportsIndex,
+        reach: typing.SupportsFloat | typing.SupportsIndex,
+        exponent: typing.SupportsFloat | typing.SupportsIndex,
+        weight: typing.Annotated[
+            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(4)"
+        ] = [0.0, 0.0, 0.0, 0.0],
+        conduction: typing.Annotated[
+            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(4)"
+        ] = [0.0, 0.0, 0.0, 0.0],
+        drag: typing.Annotated[
+            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(4)"
+        ] = [0.0, 0.0, 0.0, 0.0],
+    ) -> None: ...
+    @property
+    def held(self) -> list[bool]:
+        """
+        Beads whose temperature stays what it is, (N,).
+        """
+    @held.setter
+    def held(self, arg1: collections.abc.Sequence[bool]) -> None: ...
 class Transport:
     """
     Transport of dissolved species; see cpp/meso/species_transport.hpp.
@@ -895,6 +937,16 @@ def has_threads() -> bool:
     Whether the core was built with OpenMP.
     """
 
+def heat_account(system: System) -> tuple[float, float]:
+    """
+    What sources and held beads gave since the start, and the work charged ahead; see state.hpp.
+    """
+
+def internal_energy(system: System) -> float:
+    """
+    Sum of heat capacity times temperature of all beads.
+    """
+
 def mix(
     rule: str,
     key: str,
@@ -952,6 +1004,32 @@ def philox(
     The four words of Philox4x32-10 for one counter and key.
     """
 
+def present_kinetic_energy(system: System) -> float:
+    """
+    Of the present velocities, which may not be those that the kinetic stress is made of.
+    """
+
+def set_heat(
+    system: System,
+    pairs: HeatPairs,
+    conserving: bool,
+    sources: collections.abc.Sequence[
+        tuple[
+            str,
+            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+            typing.SupportsFloat | typing.SupportsIndex,
+        ]
+    ],
+) -> None:
+    """
+    Gives beads with temperatures and heat capacities their coefficients, once; sources are (box, sphere or species, numbers, rate).
+    """
+
+def set_heat_account(
+    system: System,
+    supplied: typing.SupportsFloat | typing.SupportsIndex,
+    ahead: typing.SupportsFloat | typing.SupportsIndex,
+) -> None: ...
 def set_threads(threads: typing.SupportsInt | typing.SupportsIndex) -> None:
     """
     Number of threads of the next parallel regions.

@@ -91,7 +91,8 @@ class Observation:
         energy: by component: "pair", "bond", "angle", "dihedral", "inversion", "tether", "charge", "field" (of external
             fields and walls), "potential" (all of these), "kinetic", "total" (potential and kinetic) and "thermostat"
             (what hoover's variable holds; its sum with total is conserved. With npt and nst what the piston holds, and
-            P V of the target).
+            P V of the target). Where beads carry heat also "internal" (Σ C_v T) and "conserved": total and internal
+            energy less what sources and beads of held temperature gave (see docs/heat.md).
         stress: (3, 3) pressure tensor in the pressure unit, all parts.
         stress_parts: the same by part: "kinetic", "conservative" (pairs), "drag", "noise", "bonded", "charge", and
             "constraint" where distances are fixed.
@@ -649,6 +650,8 @@ class Simulation:
         }
         if self.scene.beads.temperature is not None:
             arrays["bead_temperatures"] = np.asarray(system.bead_temperatures)
+        if self.scene.heat is not None:
+            arrays["heat_account"] = np.asarray(self._engine.heat_account)
         if self.scene.beads.concentrations is not None:
             arrays["concentrations"] = np.asarray(system.concentrations)
         if self._engine.transport is not None:
@@ -751,7 +754,11 @@ class Simulation:
             thermostat_energy=float(arrays["totals.thermostat_energy"]),
             constraint=arrays.get("totals.constraint", np.zeros((3, 3))),
             field_energy=float(arrays.get("totals.field_energy", 0.0)),
+            internal_energy=float(arrays.get("totals.internal_energy", 0.0)),
+            heat_balance=float(arrays.get("totals.heat_balance", 0.0)),
         )
+        if self.scene.heat is not None:
+            self._engine.heat_account = tuple(arrays["heat_account"].tolist())
         system.forces = arrays["forces"]
         system.images = arrays["images"]
         self.start_positions = arrays["start_positions"]
@@ -805,19 +812,23 @@ def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Obse
     stress = np.sum(list(stress_parts.values()), axis=0)
     freedom = scene.degrees_of_freedom
     temperature = 2.0 * kinetic / (freedom * scene.units.boltzmann) if freedom > 0 else 0.0
+    energy = {
+        "pair": totals.pair_energy,
+        **bonded,
+        "charge": totals.charge_energy,
+        "field": totals.field_energy,
+        "potential": potential,
+        "kinetic": kinetic,
+        "total": potential + kinetic,
+        "thermostat": totals.thermostat_energy,
+    }
+    if scene.heat is not None:
+        energy["internal"] = totals.internal_energy
+        energy["conserved"] = potential + kinetic + totals.internal_energy + totals.heat_balance
     return Observation(
         step=step,
         time=time,
-        energy={
-            "pair": totals.pair_energy,
-            **bonded,
-            "charge": totals.charge_energy,
-            "field": totals.field_energy,
-            "potential": potential,
-            "kinetic": kinetic,
-            "total": potential + kinetic,
-            "thermostat": totals.thermostat_energy,
-        },
+        energy=energy,
         temperature=temperature,
         pressure=float(np.trace(stress)) / 3.0,
         stress=stress,

@@ -51,6 +51,7 @@ def field_text(
     extern: str = "",
     units: str = "dpd",
     extension: str = "",
+    extensions: str = "",
 ) -> str:
     """FIELD with one molecule type of single beads for every species."""
     lines = ["test field", f"units {units}", f"molecules {len(beads)}"]
@@ -60,7 +61,7 @@ def field_text(
         lines += ["finish"]
     lines += [f"vdw {len(pairs)}", *pairs] if pairs else []
     lines += ["extern", extern] if extern else []
-    return "\n".join([*lines, "close", extension])
+    return "\n".join([*lines, "close", extension, extensions])
 
 
 def make_scene(
@@ -77,6 +78,7 @@ def make_scene(
     frozen: Sequence[str] = (),
     extern: str = "",
     units: str = "dpd",
+    extensions: str = "",
     start_seed: int = 1,
     extension: str = "",
 ) -> Scene:
@@ -116,6 +118,7 @@ def make_scene(
             extern=extern,
             units=units,
             extension=extension,
+            extensions=extensions,
         )
         (Path(folder) / "FIELD").write_text(field)
         return load(folder, config=configuration)

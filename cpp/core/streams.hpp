@@ -15,6 +15,7 @@ enum class Stream : std::uint8_t {
     sweep_choice = 7,    // which pairs a sweep thermalises (Philox for every pair)
     thermostat = 8,      // noise of thermostats that have variables of their own
     barostat = 9,        // noise of the piston that moves the cell
+    heat_noise = 10,     // of the heat that neighbours exchange
     species_noise = 11,  // random fluxes of dissolved species
     constraints = 20,    // velocities along fixed distances that pairs are thermalised with
 };

@@ -145,6 +145,23 @@ void PairForces::visit(const Box& box, const Particles& particles, PairVisitor& 
     show(visitor, threads);
 }
 
+void PairForces::visit_motion(const Box& box, const Particles& particles, const Array3N& velocity,
+                              const ForceRequest& request, MotionVisitor& visitor) {
+    if (!table_.has_drag() || particles.count() == 0) {
+        return;
+    }
+    PairWalk walk;
+    walk.request = request;
+    walk.forces = false;
+    walk.motion_visitor = &visitor;
+    walk.threads = useful_threads(particles.count());
+    update_list(box, particles, walk.threads);
+    prepare_modifiers(box, particles, walk.threads);
+    gather_motion(velocity, request, walk.threads);
+    visitor.begin(list_.order(), walk.threads);
+    static_cast<void>(visit_pairs(walk));
+}
+
 void PairForces::show(PairVisitor& visitor, int threads) {
     PairWalk walk;
     walk.forces = false;
@@ -332,7 +349,12 @@ void PairForces::finish_batch(const PairWalk& walk, PairWorker& worker) {
         return;
     }
     if (!walk.forces) {
-        if (walk.visitor == nullptr) {
+        if (walk.motion_visitor != nullptr) {
+            if (table_.drags()[batch.term].drag > 0.0) {
+                find_motion(batch, worker.result, walk.request);
+                walk.motion_visitor->visit(batch, worker.result, thread_number());
+            }
+        } else if (walk.visitor == nullptr) {
             add_curvature(walk, worker);
         } else if (!walk.visitor->wants_factors()) {
             walk.visitor->visit(batch, nullptr, list_.order().data(), thread_number());
@@ -360,15 +382,7 @@ void PairForces::finish_batch(const PairWalk& walk, PairWorker& worker) {
     }
     const bool motion = walk.motion && table_.drags()[batch.term].drag > 0.0;
     if (motion) {
-        evaluate_motion(batch, result, walk.request);
-        if (walk.request.shear_rate != 0.0 && walk.request.drag) {
-            add_drag_of_shear(batch, result, walk.request);
-        }
-        for (const auto& modifier : modifiers_) {
-            if (modifier->changes_motion()) {
-                modifier->change_motion(batch, result, table_.drags()[batch.term], walk.request);
-            }
-        }
+        find_motion(batch, result, walk.request);
     }
     bool fits = phases_->round(batch, result, motion, walk.scale);
     if (fits) {
@@ -392,6 +406,19 @@ void PairForces::finish_batch(const PairWalk& walk, PairWorker& worker) {
     worker.accepted += static_cast<std::int64_t>(batch.size);
     batch.size = 0;
     batch.runs = 0;
+}
+
+// Drag and noise of a batch with all that changes them.
+void PairForces::find_motion(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const {
+    evaluate_motion(batch, result, request);
+    if (request.shear_rate != 0.0 && request.drag) {
+        add_drag_of_shear(batch, result, request);
+    }
+    for (const auto& modifier : modifiers_) {
+        if (modifier->changes_motion()) {
+            modifier->change_motion(batch, result, table_.drags()[batch.term], request);
+        }
+    }
 }
 
 // Drag and noise of a batch: −γ w^D (e·v_ij) e and σ w^R ζ/√Δt e with w^R = √w^D, Español and Warren (1995).

@@ -100,7 +100,7 @@ void System::choose_path() {
     refusal_ = settings.precision == Precision::reference ? "the precision is reference"
                : forces.constraints() != nullptr          ? "distances are fixed by constraints"
                : !forces.pairs().modifiers().empty()      ? "pair forces depend on more than distances"
-               : !processes_.empty()                      ? "beads carry heat or dissolved species"
+               : !processes_.empty() || settings.heat     ? "beads carry heat or dissolved species"
                : forces.has_exclusions()
                    ? "bonded beads have no pair forces (keys without a leading '-')"
                    : fast::refusal(state.box, state.particles, forces.pairs().table(), settings, forces.has_fields());
@@ -127,6 +127,9 @@ void System::initialise() {
         fluid_->start(state, settings, totals);
     } else {
         integrator_->start(state, forces, settings, true, totals);
+        for (const auto& process : processes_) {
+            process->start(state, forces, settings);
+        }
     }
     ready = true;
 }

@@ -20,7 +20,7 @@ from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.explain import PLANS
 from pydlpoly.scene.external import ON_CHARGES
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
-from pydlpoly.scene.model import Barostat, Bonded, BondedTerm, Electrostatics, ManyBody, PairTerm, Scene, Walls
+from pydlpoly.scene.model import Barostat, Bonded, BondedTerm, Electrostatics, Heat, ManyBody, PairTerm, Scene, Walls
 
 _PRECISIONS = {
     "double": _core.Precision.double_precision,
@@ -45,6 +45,9 @@ class Totals:
         constraint: (3, 3) Σ F_a r_b of the forces that keep the lengths of constraints.
         field_energy: of external fields that have one, internal energy.
         charge_energy: of the electrostatics; ``charge``: (3, 3) its Σ F_a r_b.
+        internal_energy: Σ C_v T of beads that carry heat. ``heat_balance``: what makes its sum with potential and
+            kinetic energy a constant: less what sources and beads of held temperature gave, and what drag and noise
+            do in half kicks that internal energies were already charged for.
         bonded_energies: (5,) of bonds, angles, dihedrals, inversions, tethers; ``bonded``: (5, 3, 3) their Σ F_a r_b.
     """
 
@@ -62,6 +65,8 @@ class Totals:
     thermostat_energy: float = 0.0
     constraint: FloatArray = dataclasses.field(default_factory=lambda: np.zeros((3, 3)))
     field_energy: float = 0.0
+    internal_energy: float = 0.0
+    heat_balance: float = 0.0
 
 
 def default_threads() -> int:
@@ -111,6 +116,9 @@ class NativeEngine:
         self.transport = None if scene.transport is None else make_transport(scene, scene.transport)
         if self.transport is not None:
             self.transport.join(self.system)
+        self._heat = scene.heat is not None
+        if scene.heat is not None:
+            self._set_heat(scene, scene.heat)
         if scene.bonded is not None:
             self.system.set_bonded(_bonded_terms(scene, scene.bonded), scene.bonded.excluded.tolist())
         if scene.electrostatics is not None:
@@ -145,6 +153,17 @@ class NativeEngine:
         except ValueError as error:
             raise SceneError(str(error)) from error
 
+    def _set_heat(self, scene: Scene, heat: Heat) -> None:
+        pairs = _core.HeatPairs(len(scene.species), heat.reference, scene.dynamics.weight_exponent)
+        for term in heat.terms:
+            a, b = term.species
+            polynomials = (list(term.weight), list(term.conduction), list(term.drag))
+            pairs.set(a, b, term.conductivity, term.range, term.exponent, *polynomials)
+        pairs.held = np.isin(scene.beads.species, heat.held).tolist()
+        pairs.scaled_repulsion = heat.scaled_repulsion
+        sources = [(source.kind, list(source.numbers), source.rate) for source in heat.sources]
+        _core.set_heat(self.system, pairs, heat.viscous_heating == "conserving", sources)
+
     def start(self, scene: Scene) -> None:
         """Give the beads the velocities that the scene's start asks for, and compute the first forces."""
         self.prepare(scene)
@@ -163,6 +182,15 @@ class NativeEngine:
                 self.system.remove_drift()
             if scene.run.start == "rescale":
                 self.system.rescale_velocities()
+
+    @property
+    def heat_account(self) -> tuple[float, float]:
+        """What sources and held beads gave since the start, and work that beads were charged for ahead (energy)."""
+        return _core.heat_account(self.system)
+
+    @heat_account.setter
+    def heat_account(self, account: tuple[float, float]) -> None:
+        _core.set_heat_account(self.system, *account)
 
     def meet_constraints(self) -> None:
         """Bring positions to the lengths of constraints, and take out of velocities what would change them."""
@@ -197,12 +225,19 @@ class NativeEngine:
         """Return what was observed at the last observed step."""
         system = self.system
         energy, virial = (x / system.volume for x in self._tail)
+        kinetic = np.asarray(system.kinetic_tensor)
+        internal = balance = 0.0
+        if self._heat:
+            supplied, ahead = _core.heat_account(system)
+            internal = float(_core.internal_energy(system))
+            # Some integrators report the velocities in the middle of the step; the balance is that of its end.
+            balance = ahead - supplied + _core.present_kinetic_energy(system) - 0.5 * float(np.trace(kinetic))
         return Totals(
             pair_energy=system.pair_energy + energy,
             conservative=system.conservative_virial_tensor - np.eye(3) * (virial / 3.0),
             drag=system.drag_virial_tensor,
             noise=system.noise_virial_tensor,
-            kinetic=system.kinetic_tensor,
+            kinetic=kinetic,
             momentum=system.momentum,
             volume=system.volume,
             bonded_energies=np.array(system.bonded_energies),
@@ -212,6 +247,8 @@ class NativeEngine:
             thermostat_energy=float(system.thermostat_energy),
             constraint=np.asarray(system.constraint_virial_tensor),
             field_energy=float(system.field_energy),
+            internal_energy=internal,
+            heat_balance=balance,
         )
 
     def configurational(self) -> tuple[float, float]:

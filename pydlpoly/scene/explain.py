@@ -10,13 +10,13 @@ import numpy as np
 
 from pydlpoly import _core
 from pydlpoly.formats.records import FloatArray
-from pydlpoly.scene import explain_bonded, explain_transport
+from pydlpoly.scene import explain_bonded, explain_heat, explain_transport
 from pydlpoly.scene.beads_state import carried_names
 from pydlpoly.scene.bins import quantities_of
 from pydlpoly.scene.cell import widths
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
 from pydlpoly.scene.laws import pair_laws
-from pydlpoly.scene.model import CorrelationPlan, Note, PairTerm, ProfilePlan, Scene
+from pydlpoly.scene.model import CorrelationPlan, Heat, Note, PairTerm, ProfilePlan, Scene
 from pydlpoly.scene.transport_terms import Transport
 from pydlpoly.trajectories import FORMATS
 from pydlpoly.units import BOLTZMANN
@@ -58,6 +58,7 @@ def explain(scene: Scene, plan: Sequence[str] | None = None, notes: Sequence[str
         ("Pair table", _pairs(scene)),
         ("Bonded terms", _bonded(scene)),
         ("Electrostatics", _electrostatics(scene)),
+        *([("Heat", _heat(scene, scene.heat))] if scene.heat is not None else []),
         *([] if scene.transport is None else [("Dissolved species", _transport(scene, scene.transport))]),
         ("Cutoffs and link cells", _cutoffs(scene)),
         ("Plan", [*(_plan(scene) if plan is None else plan), *notes]),
@@ -360,6 +361,11 @@ def _electrostatics(scene: Scene) -> list[str]:
     if frozen:
         texts.append(f"{frozen} of the charged beads are frozen; what acts between them is in no energy or pressure")
     return [line for text in texts for line in _wrap(text)]
+
+
+def _heat(scene: Scene, heat: Heat) -> list[str]:
+    table = _table(*explain_heat.headers_and_rows(scene, heat)) if heat.terms else []
+    return [*table, *(line for text in explain_heat.sentences(scene, heat) for line in _wrap(text))]
 
 
 def _transport(scene: Scene, transport: Transport) -> list[str]:

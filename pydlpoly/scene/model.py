@@ -282,6 +282,64 @@ class Electrostatics:
 
 
 @dataclass(frozen=True)
+class HeatTerm:
+    """What internal temperatures do between two species; x = T̄/T_ref − 1 of the pair's mean temperature.
+
+    Attributes:
+        species: indices a ≤ b into ``Scene.species``.
+        conductivity: κ₀, 1/ps; ``range``: r_cT, Å (0 without conduction); ``exponent``: of w_T² = (1 − r/r_cT)^s.
+        weight, conduction, drag: c₁ … c₄ of the factors 1 + Σ c_k x^k of the exponent of w^D, of κ and of γ.
+        explanation: where the numbers come from ("FIELD:12").
+    """
+
+    species: tuple[int, int]
+    conductivity: float
+    range: float
+    exponent: float
+    weight: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    conduction: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    drag: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    explanation: str = ""
+
+
+@dataclass(frozen=True)
+class HeatSource:
+    """A source (or sink) of heat.
+
+    ``numbers`` are x0 x1 y0 y1 z0 z1 of a "box", x y z R of a "sphere" (Å from the cell's centre) and the index of a
+    "species"; ``rate`` is d(k_B T)/dt of the beads there, internal energy per ps.
+    """
+
+    kind: Literal["box", "sphere", "species"]
+    numbers: tuple[float, ...]
+    rate: float
+    explanation: str = ""
+
+
+@dataclass(frozen=True)
+class Heat:
+    """Beads carry heat: C_v T each, with the start values and capacities of ``Beads``.
+
+    Attributes:
+        terms: of the pairs that FIELD's block gives; others neither conduct nor depend on temperature.
+        sources: what brings heat from outside.
+        held: species whose beads keep their temperature.
+        reference: k_B T_ref, internal energy.
+        viscous_heating: "conserving", or "lammps" for that program's formula (mdvv only).
+        scaled_repulsion: conservative forces are multiplied by T̄/T_ref.
+        explanation: where it comes from ("FIELD:10").
+    """
+
+    terms: tuple[HeatTerm, ...]
+    sources: tuple[HeatSource, ...] = ()
+    held: tuple[int, ...] = ()
+    reference: float = 1.0
+    viscous_heating: Literal["conserving", "lammps"] = "conserving"
+    scaled_repulsion: bool = False
+    explanation: str = ""
+
+
+@dataclass(frozen=True)
 class Schedule:
     """A temperature that varies: straight lines between points, or a sine about ``Dynamics.thermal_energy``.
 
@@ -528,6 +586,7 @@ class Scene:
         electrostatics: how charges act; None when they do not.
         many_body: local densities and what they do to pairs of the law mdpd; None without such pairs.
         transport: dissolved species and what happens to them; None when beads carry none.
+        heat: what beads do with the heat they carry; None where they carry none.
     """
 
     title: str
@@ -559,6 +618,7 @@ class Scene:
     electrostatics: Electrostatics | None = None
     many_body: ManyBody | None = None
     transport: Transport | None = None
+    heat: Heat | None = None
 
     @property
     def constraint_count(self) -> int:

@@ -20,6 +20,7 @@ from pydlpoly.scene.charges import Strength, resolve_charges
 from pydlpoly.scene.constraints import left_by, resolve_constraints
 from pydlpoly.scene.dynamics import check_limits, resolve_dynamics, resolve_run, settle_momentum, start_velocities
 from pydlpoly.scene.external import ON_CHARGES, resolve_external
+from pydlpoly.scene.heat import resolve_heat
 from pydlpoly.scene.interactions import (
     check_image_noise,
     long_range_correction,
@@ -143,7 +144,6 @@ def resolve(
         walls,
     )
     tails = long_range_correction(settings, pairs, periodic, notes)
-    settings.finish(notes)
     scene = Scene(
         title=control.title or field.title,
         units=units,
@@ -164,7 +164,6 @@ def resolve(
         molecule_names=tuple(molecule.name for molecule in field.molecules),
         molecule_counts=tuple(molecule.count for molecule in field.molecules),
         field_units=field_units,
-        notes=notes.all(),
         sources=tuple(sources) or (control.path, field.path, config.path),
         bonded=bonded,
         constraints=constraints,
@@ -174,9 +173,11 @@ def resolve(
         transport=transport,
     )
     check_many_body(scene, field, settings)
+    scene = resolve_heat(field, scene, settings, notes)
     check_profile(scene, settings)
     check_bins(scene, settings)
-    return with_bead_table(scene, bead_table)
+    settings.finish(notes)
+    return with_bead_table(replace(scene, notes=notes.all()), bead_table)
 
 
 def _beads(layout: Layout, positions: FloatArray, velocities: FloatArray | None) -> Beads:
