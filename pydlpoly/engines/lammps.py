@@ -49,6 +49,12 @@ class LammpsState:
         self._clock = (0, 0.0)  # step and time of the arrays
         self.fresh = True
 
+    def __getattr__(self, name: str) -> Any:
+        """What beads in LAMMPS never carry, because such scenes are refused, is as empty as in the native core."""
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return getattr(self._native, name)
+
     @property
     def positions(self) -> FloatArray:
         """(N, 3) a copy of the positions, wrapped into the cell."""
@@ -191,6 +197,12 @@ class LammpsEngine:
         self._team: Team = JobTeam.front(switches) if job is not None else ProcessTeam(ranks, switches)
         if job is None:
             weakref.finalize(self, self._team.close)
+
+    def __getattr__(self, name: str) -> Any:
+        """What scenes that LAMMPS runs have nothing of is as in the native engine: absent, or refused there."""
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return getattr(self._native, name)
 
     def start(self, scene: Scene) -> None:
         """Give the beads the velocities that the scene's start asks for, and compute the first forces."""

@@ -28,6 +28,7 @@ def plan(
     bandwidth: Annotated[float, typer.Option(help="Of a node's network, GB/s.")] = 12.5,
     ranks_per_node: Annotated[int, typer.Option(min=1, help="Ranks that share a node's network.")] = 64,
     rebuild: Annotated[int, typer.Option(min=1, help="Steps between two lists of pairs.")] = 10,
+    halo_bytes: Annotated[float, typer.Option(min=0.0, help="Sent in a step for each bead of a halo.")] = 72.0,
     plot: Annotated[Path | None, typer.Option(help="Draw times and shares (.png, .svg, .pdf).")] = None,
     lenient: Annotated[bool, typer.Option("--lenient", help="Misspelt words are warnings, not errors.")] = False,
 ) -> None:
@@ -42,7 +43,7 @@ def plan(
     count = float(scene.bead_count) if beads is None else beads
     length = scene.run.steps if steps is None else steps
     fluid, origin = _fluid(scene, rate)
-    network = Network(latency * 1e-6, bandwidth * 1e9, ranks_per_node, rebuild)
+    network = Network(latency * 1e-6, bandwidth * 1e9, ranks_per_node, rebuild, halo_bytes)
     rows = [estimate(count, number, fluid, network) for number in rank_counts(ranks)]
     typer.echo("\n".join(_text(scene, count, length, fluid, origin, network, rows)))
     if plot is not None:
@@ -90,7 +91,8 @@ def _text(
         f"{steps} steps",
         f"one core: {fluid.rate / 1e6:.3g} million bead-steps a second ({origin})",
         f"network: latency {network.latency * 1e6:g} us, {network.bandwidth / 1e9:g} GB/s for the "
-        f"{network.ranks_per_node} ranks of a node; a new list every {network.rebuild} steps",
+        f"{network.ranks_per_node} ranks of a node",
+        f"sent: {network.bytes_per_bead:g} bytes a bead of the halo, a new list every {network.rebuild} steps",
         "",
         f"{'ranks':>8} {'beads/rank':>11} {'halo/bead':>9} {'ms/step':>10} {'compute':>8} {'halo':>7} {'sums':>7} "
         f"{'hours':>10} {'MB/rank':>9}",

@@ -44,12 +44,19 @@ class Fluid:
 
 @dataclass(frozen=True)
 class Network:
-    """Latency of a message in s, bandwidth of a node in bytes/s, ranks on a node, steps between new lists."""
+    """The network and what is sent.
+
+    Attributes:
+        latency: of a message, s; ``bandwidth``: of a node, bytes/s, shared by ``ranks_per_node``.
+        rebuild: steps between two lists of pairs.
+        bytes_per_bead: sent in every step for each bead of a halo.
+    """
 
     latency: float = 2e-6
     bandwidth: float = 12.5e9
     ranks_per_node: int = 64
     rebuild: int = 10
+    bytes_per_bead: float = FORWARD + BACK
 
 
 @dataclass(frozen=True)
@@ -98,7 +105,7 @@ def estimate(beads: float, ranks: int, fluid: Fluid, network: Network) -> Estima
     shared = network.bandwidth / min(ranks, network.ranks_per_node)
     swaps = 6 * max(1, math.ceil(fluid.reach / edge))
     alone = ranks == 1  # copies of a rank's own beads cost no messages
-    exchange = 0.0 if alone else 2 * swaps * network.latency + halo * (FORWARD + BACK) / shared
+    exchange = 0.0 if alone else 2 * swaps * network.latency + halo * network.bytes_per_bead / shared
     rebuild = 0.0 if alone else (3 * swaps * network.latency + halo * WHOLE / shared) / network.rebuild
     neighbours = 0.5 * fluid.density * 4.0 / 3.0 * math.pi * fluid.reach**3
     return Estimate(

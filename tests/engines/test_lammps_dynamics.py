@@ -13,6 +13,7 @@ from pydlpoly.cli import example_folder
 from pydlpoly.engines.lammps_translate import translate
 from pydlpoly.engines.lammps_translate.refusal import KNOWN, Places, refuse_unknown
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.scene.model import ExternalTerm
 
 from ..molecule_builder import chains, molecule_scene
 from ..run_folders import run_folder
@@ -356,11 +357,17 @@ def test_an_external_field_that_is_refused() -> None:
         translate(scene, 1)
 
 
+@dataclasses.dataclass(frozen=True)
+class Novelty:
+    """Something that a scene may have one day, in parts that know their line."""
+
+    parts: tuple[ExternalTerm, ...]
+
+
 def test_unknown_parts_are_refused() -> None:
     """A part that someone adds to the scene is refused until it is translated."""
-    field_type = dataclasses.make_dataclass(
-        "NewScene", [("novelty", int, dataclasses.field(default=0))], bases=(Scene,), frozen=True, eq=False
-    )
+    novelty = ("novelty", object, dataclasses.field(default=None))
+    field_type = dataclasses.make_dataclass("NewScene", [novelty], bases=(Scene,), frozen=True, eq=False)
     scene = water()
     values = {field.name: getattr(scene, field.name) for field in dataclasses.fields(scene)}
     KNOWN[field_type] = KNOWN[Scene]
@@ -368,6 +375,9 @@ def test_unknown_parts_are_refused() -> None:
         refuse_unknown(field_type(**values), Places(scene))
         with pytest.raises(SceneError, match="novelty 3 cannot be run with the engine lammps"):
             refuse_unknown(field_type(**values, novelty=3), Places(scene))
+        given = Novelty((ExternalTerm("some", (), "FIELD:12"),))
+        with pytest.raises(SceneError, match="FIELD:12: novelty cannot be run with the engine lammps"):
+            refuse_unknown(field_type(**values, novelty=given), Places(scene))
     finally:
         del KNOWN[field_type]
 

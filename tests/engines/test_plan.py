@@ -45,6 +45,11 @@ def test_halos_that_reach_beyond_the_next_rank_take_more_messages() -> None:
     assert far.exchange == pytest.approx(24.0)
 
 
+def test_bytes_of_a_halo() -> None:
+    usual, twice = (estimate(1e6, 8, FLUID, Network(latency=0.0, bytes_per_bead=size)) for size in (72.0, 144.0))
+    assert twice.exchange == pytest.approx(2.0 * usual.exchange)
+
+
 def test_a_single_rank_sends_nothing() -> None:
     row = estimate(1e6, 1, FLUID, Network())
     assert row.step == row.compute == pytest.approx(1.0)

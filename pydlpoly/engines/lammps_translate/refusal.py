@@ -14,7 +14,7 @@ from typing import Any
 
 from pydlpoly.errors import InputError, SceneError
 from pydlpoly.formats.control import read_control
-from pydlpoly.scene.model import Bonded, BondedTerm, Dynamics, Electrostatics, PairTerm, RunPlan, Scene
+from pydlpoly.scene.model import Beads, Bonded, BondedTerm, Dynamics, Electrostatics, PairTerm, RunPlan, Scene
 
 _PLACE = re.compile(r"(?P<name>[^\s:;,]+):(?P<line>\d+)")
 
@@ -29,6 +29,7 @@ KNOWN: dict[type, frozenset[str]] = {
         "degrees_of_freedom long_range_correction molecule_names molecule_counts field_units notes sources "
         "source_order source_cell bonded electrostatics"
     ),
+    Beads: _names("species mass charge frozen molecule positions velocities"),
     Dynamics: _names(
         "integrator timestep thermal_energy prediction weight_exponent tolerance passes thermostat_mass "
         "thermostat_friction relaxation remove_drift"
@@ -104,7 +105,8 @@ def refusal(what: str, place: dict[str, Any], because: str = "") -> SceneError:
 
 def refuse_unknown(scene: Scene, places: Places) -> None:
     """Raise SceneError for the first part of the scene that is not known here and is in use."""
-    _refuse(scene, lambda name: places.of_text(getattr(getattr(scene, name), "explanation", "")))
+    _refuse(scene, lambda name: places.of_text(_explanation(getattr(scene, name))))
+    _refuse(scene.beads, lambda _name: {"path": scene.sources[1]} if len(scene.sources) > 1 else {})
     for part in (scene.dynamics, scene.run):
         _refuse(part, lambda name: places.of_setting(*_KEYWORDS.get(name, (name,))))
     for term in scene.pairs:
@@ -112,6 +114,18 @@ def refuse_unknown(scene: Scene, places: Places) -> None:
             _refuse(term, lambda _name, text=term.explanation: places.of_text(text))  # type: ignore[misc]
     if scene.electrostatics is not None:
         _refuse(scene.electrostatics, lambda _name: places.of_setting("coul_method"))
+
+
+def _explanation(value: Any) -> str:
+    """Return the first explanation in a part of the scene, its own or that of something in it."""
+    text = getattr(value, "explanation", "")
+    if text:
+        return str(text)
+    if dataclasses.is_dataclass(value):
+        inside = tuple(getattr(value, field.name) for field in dataclasses.fields(value))
+    else:
+        inside = value if isinstance(value, tuple) else ()
+    return next((found for one in inside if (found := _explanation(one))), "")
 
 
 def _refuse(part: Any, place: Callable[[str], dict[str, Any]]) -> None:

@@ -72,6 +72,7 @@ def translate(scene: Scene, seed: int) -> Translation:
         SceneError: something in the scene has no equal in LAMMPS or is not translated; file and line are named.
     """
     places = Places(scene)
+    conservative = conservative_styles(scene, places)  # refuses laws by the line that has them
     refuse_unknown(scene, places)
     _check_cell(scene)
     bonded, charges = scene.bonded, scene.electrostatics
@@ -79,7 +80,7 @@ def translate(scene: Scene, seed: int) -> Translation:
     terms = bonded_part(scene, bonded, exclusions.dummies, places) if bonded is not None else None
     charge = charge_part(scene, charges, places) if charges is not None else None
     drags = drag_styles(scene, seed)
-    styles = [*conservative_styles(scene, places), *([charge.style] if charge is not None else [])]
+    styles = [*conservative, *([charge.style] if charge is not None else [])]
     fixes = fixes_of(scene, seed, places)
     observed = Observed(
         drag=drags[0].name if drags else "",
