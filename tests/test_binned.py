@@ -144,9 +144,9 @@ def test_a_parabolic_flow_with_heat_on_top() -> None:
 
 
 def test_bins_weigh_samples_by_their_beads() -> None:
-    """Three beads at 1 and then one bead at 5 in the same bin: the mean is 2, not 3. An empty bin has no mean."""
-    first = Sample(np.tile([0.0, 0.0, 1.0], (3, 1)), CELL, values={"q": np.ones(3)})
-    second = Sample(np.array([[0.0, 0.0, 1.0]]), CELL, values={"q": np.array([5.0])})
+    """Three beads at 1 and then one bead at 5 in the same bin: the mean is 2, not 3, whatever the masses."""
+    first = Sample(np.tile([0.0, 0.0, 1.0], (3, 1)), CELL, masses=np.full(3, 2.0), values={"q": np.ones(3)})
+    second = Sample(np.array([[0.0, 0.0, 1.0]]), CELL, masses=np.array([9.0]), values={"q": np.array([5.0])})
     table = means_of([first, second], (2,), (2,), "q", "number_density")
     assert np.isnan(table["q"][0])
     assert table["q"][1] == 2.0
