@@ -16,7 +16,7 @@ import pydlpoly
 from pydlpoly import _core
 from pydlpoly.cli import example_folder, example_names
 from pydlpoly.formats.control import read_control
-from pydlpoly.formats.diagnostics import COLUMNS
+from pydlpoly.formats.diagnostics import COLUMNS, HEAT_COLUMNS
 from pydlpoly.formats.keywords import KEYWORDS, SYNONYMS, Keyword
 from pydlpoly.formats.statis import STATISTICS_NAMES
 from pydlpoly.units import (
@@ -164,7 +164,7 @@ def statis_columns() -> str:
 
 def diagnostics_columns() -> str:
     """Return the columns of DIAGNOSTICS."""
-    return table(["name", "kind", "meaning"], ([code(c.name), c.kind, c.meaning] for c in COLUMNS))
+    return table(["name", "kind", "meaning"], ([code(c.name), c.kind, c.meaning] for c in (*COLUMNS, *HEAT_COLUMNS)))
 
 
 def energy_units() -> str:
