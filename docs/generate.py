@@ -21,7 +21,7 @@ from pydlpoly.engines.lammps_translate.integrators import INTEGRATOR_STYLES
 from pydlpoly.engines.lammps_translate.pairs import PAIR_STYLES
 from pydlpoly.engines.lammps_translate.pairs import why_refused as why_pair_refused
 from pydlpoly.formats.control import parse_control
-from pydlpoly.formats.diagnostics import COLUMNS
+from pydlpoly.formats.diagnostics import COLUMNS, HEAT_COLUMNS
 from pydlpoly.formats.keywords import KEYWORDS, SYNONYMS, Keyword
 from pydlpoly.formats.statis import STATISTICS_NAMES
 from pydlpoly.gallery import gallery, relative_cost
@@ -172,7 +172,7 @@ def statis_columns() -> str:
 
 def diagnostics_columns() -> str:
     """Return the columns of DIAGNOSTICS."""
-    return table(["name", "kind", "meaning"], ([code(c.name), c.kind, c.meaning] for c in COLUMNS))
+    return table(["name", "kind", "meaning"], ([code(c.name), c.kind, c.meaning] for c in (*COLUMNS, *HEAT_COLUMNS)))
 
 
 def energy_units() -> str:

@@ -190,6 +190,7 @@ class DiagnosticsReporter:
         self._writer = DiagnosticsWriter(
             path,
             None if units.reduced else words,
+            heat=simulation.scene.heat is not None,
             append=append,
             keep_until=simulation.step if append else None,
         )
@@ -214,6 +215,13 @@ class DiagnosticsReporter:
             **{f"pressure_{name}": float(np.trace(seen.stress_parts[name])) / 3.0 for name in _TENSORS},
             **{f"momentum_{axis}": float(value) for axis, value in zip("xyz", seen.momentum, strict=True)},
         }
+        if scene.heat is not None:
+            per_bead = scene.units.factor * scene.bead_count
+            record |= {
+                "internal_temperature": simulation.internal_temperature,
+                "internal_energy": seen.energy["internal"] / per_bead,
+                "conserved_energy": seen.energy["conserved"] / per_bead,
+            }
         self._writer.write(seen.step, record)
 
     def sync(self) -> None:
@@ -454,7 +462,22 @@ class OutputReporter:
         if self._writer is not None:
             values = statistics_record(simulation).values()
             elapsed = clock.perf_counter() - self._begin
-            self._writer.block(simulation.step, simulation.time, elapsed, values, self._rolling.mean())
+            self._writer.block(
+                simulation.step, simulation.time, elapsed, values, self._rolling.mean(), _heat(simulation)
+            )
+
+
+def _heat(simulation: Simulation) -> list[tuple[str, float]]:
+    """Words and numbers of OUTPUT about the heat that beads carry; none where they carry none."""
+    scene = simulation.scene
+    if scene.heat is None:
+        return []
+    energy, unit = simulation.energy, scene.units.temperature_label
+    return [
+        (f"internal temperature{unit and f' [{unit}]'}", simulation.internal_temperature),
+        ("internal energy", energy["internal"] / scene.units.factor),
+        ("conserved energy", energy["conserved"] / scene.units.factor),
+    ]
 
 
 def _seed_and_workers(simulation: Simulation) -> str:

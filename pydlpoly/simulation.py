@@ -552,6 +552,17 @@ class Simulation:
         return self._configurational[1]
 
     @property
+    def internal_temperature(self) -> float:
+        """Mean internal temperature of the beads, K (reduced with ``units dpd``); not a number where they carry none.
+
+        Weighted by heat capacity: the temperature that the beads would have in common with the heat they carry.
+        """
+        capacity = self.scene.beads.heat_capacity
+        if capacity is None:
+            return float("nan")
+        return self.observe().energy["internal"] / (float(capacity.sum()) * self.scene.units.boltzmann)
+
+    @property
     def pressure(self) -> float:
         """Pressure of all parts together, katm (reduced with ``units dpd``)."""
         return self.observe().pressure

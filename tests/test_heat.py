@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 
 import numpy as np
@@ -9,6 +10,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from pydlpoly import RunError, Simulation
+from pydlpoly.formats.diagnostics import read_diagnostics
+from pydlpoly.runner import run_scene
 from pydlpoly.scene.heat import WITH_HEAT
 
 from .heat_scenes import fluid, heat, resting_pairs, set_temperatures, temperatures
@@ -230,3 +233,21 @@ def test_a_scaled_repulsion_follows_the_mean_temperature_of_a_pair() -> None:
     set_temperatures(scaled, np.full(375, 1.7))
     assert scaled.observe().energy["pair"] == pytest.approx(1.7 * constant.observe().energy["pair"])
     np.testing.assert_allclose(scaled.state.forces, 1.7 * constant.state.forces, atol=1e-9)
+
+
+def test_diagnostics_and_output_report_what_is_conserved(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    control = {"diagnostics_frequency": "5 steps", "print_frequency": "10 steps"}
+    scene = fluid(heat(*CONDUCTING, "source species A 0.3"), order="mdvv", control=control)
+    result = run_scene(scene, tmp_path, steps=20, seed=1, threads=1)
+    columns = read_diagnostics(tmp_path / "DIAGNOSTICS")
+    energy = result.simulation.energy
+    assert columns["conserved_energy"][-1] == pytest.approx(energy["conserved"] / 375, rel=1e-14)
+    assert columns["internal_energy"][-1] == pytest.approx(60 * columns["internal_temperature"][-1], rel=1e-8)
+    drift = columns["conserved_energy"] - columns["conserved_energy"][0]
+    np.testing.assert_allclose(columns["conserved_drift"], drift, atol=1e-9)
+    assert abs(drift[-1]) < 0.01 < columns["internal_energy"][-1] - columns["internal_energy"][0]
+    assert energy["conserved"] == pytest.approx(
+        energy["total"] + energy["internal"] - 60 * 375 * 0.3 * 0.2, abs=30.0
+    )  # what drag and noise do in half a kick
+    printed = re.findall(r"conserved energy +(\S+)", (tmp_path / "OUTPUT").read_text())
+    assert float(printed[-1]) == pytest.approx(energy["conserved"], rel=1e-14)

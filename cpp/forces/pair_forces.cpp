@@ -156,7 +156,7 @@ void PairForces::visit_motion(const Box& box, const Particles& particles, const 
     walk.motion_visitor = &visitor;
     walk.threads = useful_threads(particles.count());
     update_list(box, particles, walk.threads);
-    prepare_modifiers(box, particles, walk.threads);
+    prepare_modifiers(box, particles, walk.threads, false);
     gather_motion(velocity, request, walk.threads);
     visitor.begin(list_.order(), walk.threads);
     static_cast<void>(visit_pairs(walk));

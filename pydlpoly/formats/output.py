@@ -135,17 +135,27 @@ class OutputWriter:
         """Say that the run continues from a checkpoint, and with which version."""
         self.text(f"continues from step {step} with pydlpoly {version}")
 
-    def block(self, step: int, time: float, elapsed: float, values: ArrayLike, averages: ArrayLike) -> None:
+    def block(
+        self,
+        step: int,
+        time: float,
+        elapsed: float,
+        values: ArrayLike,
+        averages: ArrayLike,
+        more: Sequence[tuple[str, float]] = (),
+    ) -> None:
         """Write one print-out: instantaneous values and rolling averages, under a header every 8 print-outs.
 
         Args:
             step, time: of the step; time in ps.
             elapsed: seconds since the start.
             values, averages: at least 27 numbers in the order of ``STATISTICS_NAMES``.
+            more: words and numbers of this step that follow, as scenes have them that model more.
         """
         starts = (fortran_i(step, 13), fortran_f(time, 13, 5), fortran_f(elapsed, 13, 3))
         header = self._header() if self._prints % HEADER_EVERY == 0 else ""
         body = _lines(starts, values) + "\n" + _lines(_labels("rolling", "averages", ""), averages)
+        body += "".join(f"{name:>30}{fortran_e(value, 24, 16)}\n" for name, value in more)
         self._write(header + body + RULE)
         self._prints += 1
 
