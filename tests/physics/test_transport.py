@@ -36,7 +36,7 @@ def concentrations(simulation: Simulation) -> FloatArray:
 
 
 def test_diffusivity_of_the_mean_field_and_of_the_beads() -> None:
-    """A cosine decays as exp(−D q² t) with D of the formula and the beads' own; 5 % each."""
+    """A cosine decays as exp(−D q² t) with D of the formula and the beads' own, in LAMMPS's fluid: 5 %."""
     density, edges, steps = 4.0, np.array([14.0, 6.0, 6.0]), 150
     count = round(density * edges.prod())
     scene = make_scene(
@@ -46,7 +46,7 @@ def test_diffusivity_of_the_mean_field_and_of_the_beads() -> None:
         control={"cutoff": "1.58 ang", "ensemble_dpd_exponent": "0.41"},
         extension="\n".join([
             "extension transport",
-            "species still slow fast steep",
+            "species slow fast steep",
             "pair W W slow kappa 1.0 range 1.58",
             "pair W W fast kappa 3.0 range 1.2",
             "pair W W steep kappa 2.0 range 1.58 exponent 3.0",
@@ -58,16 +58,15 @@ def test_diffusivity_of_the_mean_field_and_of_the_beads() -> None:
     simulation.run(300)
     q = 2.0 * math.pi / edges[0]
     wave = 1.0 + 0.5 * np.cos(q * simulation.positions[:, :1])
-    simulation._engine.system.concentrations = np.tile(wave, (1, 4))
-    begin = _amplitude(simulation, q)
+    simulation._engine.system.concentrations = np.tile(wave, (1, 3))
+    begin, places = _amplitude(simulation, q), simulation.displacements()
     simulation.run(steps)
     time = steps * scene.dynamics.timestep
     seen = -np.log(_amplitude(simulation, q) / begin) / (q * q * time)
-    own = seen[0]  # what stays in its bead diffuses as the beads
-    assert 0.02 < own < 0.4
-    exchanged = seen[1:] - own
+    own = float(((simulation.displacements() - places) ** 2).sum(axis=1).mean()) / (6.0 * time)
+    assert 0.01 < own < 0.03
     wanted = [mean_field(density, 1.0, 1.58), mean_field(density, 3.0, 1.2), mean_field(density, 2.0, 1.58, 3.0)]
-    assert exchanged == pytest.approx(wanted, rel=0.05)
+    assert seen == pytest.approx(np.array(wanted) + own, rel=0.05)
 
 
 def _amplitude(simulation: Simulation, q: float) -> FloatArray:
@@ -75,11 +74,13 @@ def _amplitude(simulation: Simulation, q: float) -> FloatArray:
     return np.asarray(2.0 * (wave[:, None] * (concentrations(simulation) - 1.0)).mean(axis=0))
 
 
+# examples/PACKAGES/dpd-meso/tdpd/cc.profile.21Apr23.tdpd.g++.1 of LAMMPS. The profile of the version of 2017 differs from
+# it, from LAMMPS's own later ones and from the analytic form by 0.004 beside y = 0.
 PRINTED = np.array([
-    [.98666, .96797, .95705, .95127, .94898, .94938, .95251, .95932, .97152, .99064,
-     1.00924, 1.02831, 1.04071, 1.04749, 1.05063, 1.05105, 1.04877, 1.04305, 1.03208, 1.01351],
-    [1.0077, 1.02003, 1.02873, 1.03428, 1.03692, 1.03673, 1.03374, 1.02778, 1.01867, 1.00626,
-     .993828, .981436, .972184, .966258, .963256, .963052, .965688, .971187, .97993, .992209],
+    [.986606, .967792, .956909, .951127, .948624, .948627, .951056, .956893, .967894, .986603,
+     1.01347, 1.03218, 1.04314, 1.04893, 1.05139, 1.05138, 1.04893, 1.04311, 1.03219, 1.01346],
+    [1.00775, 1.02028, 1.02905, 1.03467, 1.03746, 1.03746, 1.03473, 1.02906, 1.0202, 1.00777,
+     .992221, .979759, .970901, .965282, .962527, .962529, .965277, .970928, .979718, .992165],
 ])  # fmt: skip
 
 
@@ -109,9 +110,9 @@ def transient(diffusivity: float, rate: float, times: FloatArray) -> FloatArray:
 
 
 def test_profiles_of_lammps_example() -> None:
-    """With LAMMPS's noise within 0.004 of its printed profiles, whose own layers scatter by about 0.001."""
+    """With LAMMPS's noise within 0.002 of its printed profiles; two of its own differ by 0.0003."""
     seen, _ = profiles(dissolved_species())
-    assert np.abs(seen - PRINTED).max() < 0.004
+    assert np.abs(seen - PRINTED).max() < 0.002
 
 
 def test_profiles_with_root_noise_are_the_analytic_transient() -> None:
@@ -123,7 +124,7 @@ def test_profiles_with_root_noise_are_the_analytic_transient() -> None:
     times = np.arange(5.1, 6.05, 0.1)
     for k, (kappa, rate) in enumerate(((1.0, 0.01), (3.0, -0.01))):
         wanted = transient(mean_field(4.0, kappa, 1.58) + own, rate, times)
-        assert np.abs(seen[k] - wanted).max() < 0.004
+        assert np.abs(seen[k] - wanted).max() < 0.002
     for balance in simulation.species_balance():
         assert abs(balance.remainder) < 1e-12 * balance.now
 
