@@ -76,7 +76,9 @@ def crowded(distance: float) -> Seen:
     places = random_places(200, distance)
     lines = ("pair A A a kappa 1e6 range 1.0", f"start a 1.0 box {float(places[0, 0])!r} * * * * *")
     now = amounts(still(places, *lines), 40)[:, 0]
-    return Seen("spread of the amounts over their mean", float(np.ptp(now) / now.mean()), 0.0, 1e-12)
+    given = float((places[:, 0] >= places[0, 0]).sum())
+    beyond = float(((now < 0.0) | (now > 1.0)).sum())
+    return Seen("loss of the sum, and amounts beyond those given:", abs(now.sum() - given) / given + beyond, 0.0, 1e-13)
 
 
 def without_measure(rate: float) -> Seen:

@@ -74,8 +74,8 @@ def _amplitude(simulation: Simulation, q: float) -> FloatArray:
     return np.asarray(2.0 * (wave[:, None] * (concentrations(simulation) - 1.0)).mean(axis=0))
 
 
-# examples/PACKAGES/dpd-meso/tdpd/cc.profile.21Apr23.tdpd.g++.1 of LAMMPS. The profile of the version of 2017 differs from
-# it, from LAMMPS's own later ones and from the analytic form by 0.004 beside y = 0.
+# examples/PACKAGES/dpd-meso/tdpd/cc.profile.21Apr23.tdpd.g++.1 of LAMMPS. The profile of the version of 2017 differs
+# from it, from later ones and from the analytic form by 0.004 beside y = 0.
 PRINTED = np.array([
     [.986606, .967792, .956909, .951127, .948624, .948627, .951056, .956893, .967894, .986603,
      1.01347, 1.03218, 1.04314, 1.04893, 1.05139, 1.05138, 1.04893, 1.04311, 1.03219, 1.01346],
