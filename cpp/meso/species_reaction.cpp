@@ -10,8 +10,8 @@ namespace dlpoly {
 
 namespace {
 
-// (exp(x) − 1)/x.
-double growth(double x) { return x == 0.0 ? 1.0 : std::expm1(x) / x; }
+// t φ(rt) = (exp(rt) − 1)/r, without a product that could overflow where the whole does not.
+double grown_time(double rate, double time) { return rate == 0.0 ? time : std::expm1(rate * time) / rate; }
 
 }  // namespace
 
@@ -41,7 +41,7 @@ double SpeciesReaction::extent(const double* amounts, double duration) const {
     double most = u;  // of what the reaction can take, over p
     double extent = 0.0;
     if (!second_order_) {
-        extent = u * time * growth(-p * time);
+        extent = u * grown_time(-p, time);
     } else {
         double v = amounts[second_];
         double q = -change_[second_];
@@ -54,11 +54,15 @@ double SpeciesReaction::extent(const double* amounts, double duration) const {
             std::swap(p, q);
             difference = -difference;
         }
-        const double part = time * growth(difference * time);
-        // Where one of the two grows, both terms of D have one sign; the other form would lose all digits.
-        const double remains =
-            q < 0.0 ? (q * u * std::exp(difference * time) - p * v) / difference : 1.0 + q * u * part;
-        extent = u * v * part / remains;
+        const double part = grown_time(difference, time);
+        if (q > 0.0) {
+            extent = v / (1.0 / (u * part) + q);
+        } else if (q == 0.0) {
+            extent = u * v * part;
+        } else {
+            // Both terms of D have one sign, and so do those of this sum, which 1 + q u t φ equals.
+            extent = u * v * part * difference / (q * u * std::exp(difference * time) - p * v);
+        }
         most = p > 0.0 ? u / p : extent;
         most = q > 0.0 ? std::min(most, v / q) : most;
         return std::min(extent, most);

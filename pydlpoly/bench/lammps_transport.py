@@ -81,12 +81,12 @@ def _source(number: int, source: SpeciesValue, ends: list[float]) -> str | None:
 
 
 def _cuboid(region: Region, ends: list[float]) -> str | None:
-    """Return LAMMPS's centre and half lengths; its spheres compare r^2 with R^3 and are left out."""
+    """Return LAMMPS's centre and edges; its spheres compare r^2 with R^3 and are left out."""
     if region.kind not in ("everywhere", "box"):
         return None
     numbers = region.numbers or (-np.inf, np.inf) * 3
     low = [max(a, -end) for a, end in zip(numbers[::2], ends, strict=True)]
     high = [min(b, end) for b, end in zip(numbers[1::2], ends, strict=True)]
     centre = " ".join(f"{0.5 * (a + b):.17g}" for a, b in zip(low, high, strict=True))
-    half = " ".join(f"{0.5 * (b - a):.17g}" for a, b in zip(low, high, strict=True))
-    return f"cuboid {centre} {half}"
+    edges = " ".join(f"{b - a:.17g}" for a, b in zip(low, high, strict=True))
+    return f"cuboid {centre} {edges}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import contacts, counts, densities, geometry, integrators, long_runs, magnitudes, noise
+from . import contacts, counts, densities, geometry, integrators, long_runs, magnitudes, noise, species
 from .framework import Case, Seen
 
 __all__ = ["CASES", "Case", "Seen"]
@@ -16,4 +16,5 @@ CASES: list[Case] = [
     *noise.CASES,
     *densities.CASES,
     *integrators.CASES,
+    *species.CASES,
 ]

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from pydlpoly import Simulation, load
 from pydlpoly.bench.scenes import dissolved_species
@@ -35,21 +36,30 @@ def concentrations(simulation: Simulation) -> FloatArray:
     return np.asarray(simulation._engine.system.concentrations)
 
 
-def test_diffusivity_of_the_mean_field_and_of_the_beads() -> None:
-    """A cosine decays as exp(−D q² t) with D of the formula and the beads' own; 5 % each."""
+def neighbour_sum(positions: FloatArray, edges: FloatArray, kappa: float, reach: float, exponent: float) -> float:
+    """(κ/6) ⟨Σ_j w² r²⟩, what neighbours exchange where they are: the formula above with ρ g(r) in place of ρ."""
+    pairs = cKDTree(np.mod(positions, edges), boxsize=edges).query_pairs(reach, output_type="ndarray")
+    apart = positions[pairs[:, 0]] - positions[pairs[:, 1]]
+    r = np.linalg.norm(apart - edges * np.round(apart / edges), axis=1)
+    return kappa / 6.0 * 2.0 * float(((1.0 - r / reach) ** exponent * r**2).sum()) / len(positions)
+
+
+def test_diffusivity_of_exchange_and_of_the_beads() -> None:
+    """A cosine decays as exp(−D q² t) in LAMMPS's fluid: within 5 % of the formula with its range, exponent 2.
+
+    Exchange of a shorter range feels that beads keep apart; it is within 5 % of the sum over the neighbours there are.
+    """
     density, edges, steps = 4.0, np.array([14.0, 6.0, 6.0]), 150
-    count = round(density * edges.prod())
+    kinds = [(1.0, 1.58, 2.0), (3.0, 1.58, 2.0), (3.0, 1.2, 2.0)]
     scene = make_scene(
-        {"W": count},
+        {"W": round(density * edges.prod())},
         ["W W dpd 18.75 1.58 4.5"],
         cell=edges,
         control={"cutoff": "1.58 ang", "ensemble_dpd_exponent": "0.41"},
         extension="\n".join([
             "extension transport",
-            "species still slow fast steep",
-            "pair W W slow kappa 1.0 range 1.58",
-            "pair W W fast kappa 3.0 range 1.2",
-            "pair W W steep kappa 2.0 range 1.58 exponent 3.0",
+            "species a b c",
+            *(f"pair W W {n} kappa {k} range {r} exponent {s}" for n, (k, r, s) in zip("abc", kinds, strict=True)),
             "end extension",
             "",
         ]),
@@ -58,16 +68,16 @@ def test_diffusivity_of_the_mean_field_and_of_the_beads() -> None:
     simulation.run(300)
     q = 2.0 * math.pi / edges[0]
     wave = 1.0 + 0.5 * np.cos(q * simulation.positions[:, :1])
-    simulation._engine.system.concentrations = np.tile(wave, (1, 4))
-    begin = _amplitude(simulation, q)
+    simulation._engine.system.concentrations = np.tile(wave, (1, len(kinds)))
+    begin, places = _amplitude(simulation, q), simulation.displacements()
     simulation.run(steps)
     time = steps * scene.dynamics.timestep
     seen = -np.log(_amplitude(simulation, q) / begin) / (q * q * time)
-    own = seen[0]  # what stays in its bead diffuses as the beads
-    assert 0.02 < own < 0.4
-    exchanged = seen[1:] - own
-    wanted = [mean_field(density, 1.0, 1.58), mean_field(density, 3.0, 1.2), mean_field(density, 2.0, 1.58, 3.0)]
-    assert exchanged == pytest.approx(wanted, rel=0.05)
+    own = float(((simulation.displacements() - places) ** 2).sum(axis=1).mean()) / (6.0 * time)
+    assert 0.01 < own < 0.03
+    assert seen[:2] == pytest.approx([mean_field(density, *kind) + own for kind in kinds[:2]], rel=0.05)
+    there = [neighbour_sum(simulation.positions, edges, *kind) + own for kind in kinds]
+    assert seen == pytest.approx(np.array(there), rel=0.05)
 
 
 def _amplitude(simulation: Simulation, q: float) -> FloatArray:
@@ -75,11 +85,13 @@ def _amplitude(simulation: Simulation, q: float) -> FloatArray:
     return np.asarray(2.0 * (wave[:, None] * (concentrations(simulation) - 1.0)).mean(axis=0))
 
 
+# examples/PACKAGES/dpd-meso/tdpd/cc.profile.21Apr23.tdpd.g++.1 of LAMMPS. The profile of the version of 2017 differs
+# from it, from later ones and from the analytic form by 0.004 beside y = 0.
 PRINTED = np.array([
-    [.98666, .96797, .95705, .95127, .94898, .94938, .95251, .95932, .97152, .99064,
-     1.00924, 1.02831, 1.04071, 1.04749, 1.05063, 1.05105, 1.04877, 1.04305, 1.03208, 1.01351],
-    [1.0077, 1.02003, 1.02873, 1.03428, 1.03692, 1.03673, 1.03374, 1.02778, 1.01867, 1.00626,
-     .993828, .981436, .972184, .966258, .963256, .963052, .965688, .971187, .97993, .992209],
+    [.986606, .967792, .956909, .951127, .948624, .948627, .951056, .956893, .967894, .986603,
+     1.01347, 1.03218, 1.04314, 1.04893, 1.05139, 1.05138, 1.04893, 1.04311, 1.03219, 1.01346],
+    [1.00775, 1.02028, 1.02905, 1.03467, 1.03746, 1.03746, 1.03473, 1.02906, 1.0202, 1.00777,
+     .992221, .979759, .970901, .965282, .962527, .962529, .965277, .970928, .979718, .992165],
 ])  # fmt: skip
 
 
@@ -109,9 +121,9 @@ def transient(diffusivity: float, rate: float, times: FloatArray) -> FloatArray:
 
 
 def test_profiles_of_lammps_example() -> None:
-    """With LAMMPS's noise within 0.004 of its printed profiles, whose own layers scatter by about 0.001."""
+    """With LAMMPS's noise within 0.002 of its printed profiles; two of its own differ by 0.0003."""
     seen, _ = profiles(dissolved_species())
-    assert np.abs(seen - PRINTED).max() < 0.004
+    assert np.abs(seen - PRINTED).max() < 0.002
 
 
 def test_profiles_with_root_noise_are_the_analytic_transient() -> None:
@@ -123,7 +135,7 @@ def test_profiles_with_root_noise_are_the_analytic_transient() -> None:
     times = np.arange(5.1, 6.05, 0.1)
     for k, (kappa, rate) in enumerate(((1.0, 0.01), (3.0, -0.01))):
         wanted = transient(mean_field(4.0, kappa, 1.58) + own, rate, times)
-        assert np.abs(seen[k] - wanted).max() < 0.004
+        assert np.abs(seen[k] - wanted).max() < 0.002
     for balance in simulation.species_balance():
         assert abs(balance.remainder) < 1e-12 * balance.now
 
