@@ -32,9 +32,7 @@ from pydlpoly.scene import Scene, load
 def analyse_command(
     source: Annotated[
         Path,
-        typer.Argument(
-            help="A trajectory, or a folder with HISTORY (and FIELD, for molecules)."
-        ),
+        typer.Argument(help="A trajectory, or a folder with HISTORY (and FIELD, for molecules)."),
     ],
     *,
     rdf: Annotated[bool, typer.Option("--rdf", help="Radial distributions of all pairs of species.")] = False,
