@@ -79,14 +79,21 @@ class Writer(ABC):
         """Close the file; closing twice is harmless."""
 
     def check(self, frame: Frame) -> None:
-        """Raise InputError for a frame with other beads, another level or other arrays than the first."""
+        """Raise InputError for a frame that differs from the first in beads, periodicity or what it holds."""
         like = self._like
-        same_beads = frame.names is like.names or frame.names == like.names
+        same_beads = (frame.names is like.names or frame.names == like.names) and all(
+            np.array_equal(one, other, equal_nan=True)
+            for one, other in ((frame.masses, like.masses), (frame.charges, like.charges))
+        )
         if not same_beads:
             raise InputError(f"the frame of step {frame.step} has other beads than the first", path=self.path)
+        if frame.imcon != like.imcon:
+            message = f"the frame of step {frame.step} has imcon {frame.imcon}, the first has {like.imcon}"
+            raise InputError(message, path=self.path)
         held, expected = (sorted([*what_is_there(one), *one.arrays]) for one in (frame, like))
         if held != expected:
-            message = f"the frame of step {frame.step} holds {', '.join(held)}, the first {', '.join(expected)}"
+            words = [", ".join(one) or "positions alone" for one in (held, expected)]
+            message = f"the frame of step {frame.step} holds {words[0]}, the first {words[1]}"
             raise InputError(message, path=self.path)
 
     def __enter__(self) -> Writer:
@@ -152,8 +159,9 @@ class CountedReader(Reader):
 
 
 def what_is_there(frame: Frame) -> tuple[str, ...]:
-    """Return which of the optional numbers of beads a frame holds."""
-    given = {"velocities": frame.velocities, "forces": frame.forces, "images": frame.images}
+    """Return which of the numbers that not all frames have a frame holds."""
+    names = ("time", "timestep", "velocities", "forces", "images")
+    given = {name: getattr(frame, name) for name in names}
     return tuple(name for name, array in given.items() if array is not None)
 
 

@@ -34,9 +34,11 @@ def convert_trajectory(source: Path, to: str, target: Path | None = None, *, fra
         InputError: the source cannot be read, the format cannot hold its frames, or the target cannot be written.
     """
     path = target if target is not None else _usual(source, to)
-    if path.exists() and (target is None or path.resolve() == source.resolve()):
-        what = "is the file to be read" if path.resolve() == source.resolve() else "is there already"
-        raise InputError(f"{what}; say with --output what to write", path=str(path))
+    second = [path.with_suffix(FORMATS[to].companion)] if to in FORMATS and FORMATS[to].companion else []
+    for one in (path, *second):
+        if one.exists() and (target is None or one.resolve() == source.resolve()):
+            what = "is the file to be read" if one.resolve() == source.resolve() else "is there already"
+            raise InputError(f"{what}; say with --output what to write", path=str(one))
     try:
         if to == "config":
             reader = open_reader(source)

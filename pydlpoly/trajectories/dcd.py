@@ -58,6 +58,8 @@ class Writer(base.Writer):
         """Append one frame. Raises InputError also when the steps are not equally spaced."""
         self.check(frame)
         self._space(frame.step)
+        if self._count < 2:  # so that a kill leaves no frame whose step is not known
+            self._patch()
         cell = self._turned(frame) if self._has_cell else Upright(frame.cell)
         parts = [_record(np.array(_edges(cell.cell)))] if self._has_cell else []
         parts += [_record(column) for column in cell.turned(frame.positions).T.astype("<f4")]
@@ -103,7 +105,7 @@ class Writer(base.Writer):
         found = bytearray(handle.read(_HEADER))
         if len(found) < _HEADER:
             return 0
-        count, self._first, self._interval = struct.unpack_from("<3i", found, _COUNTS)
+        _, self._first, self._interval = struct.unpack_from("<3i", found, _COUNTS)
         expected = bytearray(_header(len(self._like.names), self._has_cell, 0.0))
         for block in (found, expected):
             block[_COUNTS : _COUNTS + 16] = bytes(16)
@@ -112,8 +114,6 @@ class Writer(base.Writer):
             raise InputError("cannot be continued: it is no DCD of such frames", path=self.path)
         size = handle.seek(0, os.SEEK_END)
         frames = (size - _HEADER) // self._bytes
-        if count <= 1 < frames and self._interval <= 1:
-            frames = 1  # the interval was not written any more
         while frames and keep_until is not None and self._first + (frames - 1) * self._interval > keep_until:
             frames -= 1
         return _HEADER + frames * self._bytes

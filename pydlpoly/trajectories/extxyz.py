@@ -1,10 +1,11 @@
 """Extended XYZ: a line with the number of beads, a line of ``key=value``, and a line a bead, frame after frame.
 
-The columns are those that ASE understands, in ASE's units (Å, Da, e, eV; see ``pydlpoly.ase``): ``species`` and
+The columns are those that ASE understands, in ASE's units (Å, Da, e, eV; see ``pydlpoly.ase``): ``type`` and
 ``bead_types`` hold the names, the first for OVITO, the second for ASE, which is told by ``Z`` 0 that a bead is no
-element; then ``masses``, ``initial_charges``, ``momenta``, ``forces``, ``images`` and one column for each array of
-beads. ASE's functions read and write the line of keys; the lines of beads are written here, since ASE's writer keeps
-eight decimals, and here every number reads back to its last bit.
+element (there is no ``species``, in which ASE expects elements); then ``masses``, ``initial_charges``, ``momenta``,
+``forces``, ``images`` and one column for each array of beads. ASE's functions read and write the line of keys; the
+lines of beads are written here, since ASE's writer keeps eight decimals, and here every number reads back to its last
+bit.
 """
 
 # mypy: allow-untyped-calls
@@ -32,7 +33,7 @@ from pydlpoly.trajectories import base
 _ROWS = 10_000  # beads whose lines are held at the same time
 _BLOCK = 1 << 22  # bytes looked at together when lines are counted
 _TYPES = {"R": "f8", "I": "i8", "S": "U64", "L": "U8"}
-_OWN = ("species", "pos", "Z", "bead_types", "masses", "initial_charges", "momenta", "forces", "images")
+_OWN = ("type", "species", "pos", "Z", "bead_types", "masses", "initial_charges", "momenta", "forces", "images")
 _TITLE = str.maketrans(dict.fromkeys("\"'{}[]\\=\n", " "))  # not all programs agree on how to quote these
 
 
@@ -51,8 +52,6 @@ class Writer(base.Writer):
         super().__init__(path, like)
         if like.velocities is not None and not base.known(like.masses):
             raise InputError("extxyz holds momenta; velocities cannot be written without the masses of all beads")
-        if len(like.masses) and like.velocities is not None and not np.all(like.masses > 0.0):
-            raise InputError("extxyz holds momenta, which say no velocity of beads without mass")
         for name in (*like.arrays, *dict.fromkeys(like.names)):
             if name in _OWN or name.split() != [name] or (name in like.arrays and ":" in name):
                 raise InputError("cannot be the name of a column or a bead of extxyz", word=name)
@@ -66,6 +65,9 @@ class Writer(base.Writer):
     def write(self, frame: Frame) -> None:
         """Append one frame."""
         self.check(frame)
+        if frame.velocities is not None and np.any(frame.velocities[frame.masses <= 0.0]):
+            message = f"extxyz holds momenta: the velocity of a bead without mass is lost in step {frame.step}"
+            raise InputError(message, path=self.path)
         columns = _columns(frame)
         head = f"{len(frame.names)}\n{self._keys(frame, columns)}\n".encode()
         self._file.write(b"".join([head, *_rows(columns, len(frame.names))]))
@@ -147,7 +149,7 @@ def _columns(frame: Frame) -> dict[str, tuple[str, Any]]:
     """The columns in order: name, type and values."""
     names = np.array(frame.names, dtype=object)
     columns: dict[str, tuple[str, Any]] = {
-        "species": ("S", names),
+        "type": ("S", names),
         "pos": ("R", frame.positions),
         "Z": ("I", np.zeros(len(names), dtype=np.int64)),
         "bead_types": ("S", names),
@@ -246,10 +248,12 @@ def _frame(lines: _Lines, first: str, number: int) -> Frame | None:
 def _made(table: NDArray[Any], keys: dict[str, Any], number: int, cell: FloatArray, imcon: int) -> Frame:
     there = table.dtype.names or ()
     count = len(table)
-    names = next((table[name] for name in ("bead_types", "names", "species") if name in there), np.full(count, "X"))
+    names = next(
+        (table[name] for name in ("bead_types", "names", "species", "type") if name in there), np.full(count, "X")
+    )
     unknown = np.full(count, np.nan)
     masses, charges = (_column(table, name) if name in there else unknown for name in ("masses", "initial_charges"))
-    velocities = _column(table, "momenta") / (masses[:, None] * VELOCITY) if "momenta" in there else None
+    velocities = _velocities(_column(table, "momenta"), masses) if "momenta" in there else None
     forces = _column(table, "forces") / ENERGY if "forces" in there else None
     known: dict[str, str] = {}  # one string object a species, not one a bead
     further = [name for name in there if name not in (*_OWN, "names", "move_mask") and table[name].dtype.kind in "fi"]
@@ -271,6 +275,12 @@ def _made(table: NDArray[Any], keys: dict[str, Any], number: int, cell: FloatArr
         images=_images(table) if "images" in there else None,
         arrays={name: _column(table, name) for name in further if table[name].ndim == 1},
     )
+
+
+def _velocities(momenta: FloatArray, masses: FloatArray) -> FloatArray:
+    """Velocities in Å/ps; beads without mass are frozen."""
+    heavy = (masses > 0.0)[:, None]
+    return np.divide(momenta, masses[:, None] * VELOCITY, out=np.zeros_like(momenta), where=heavy)
 
 
 def _column(table: NDArray[Any], name: str) -> FloatArray:

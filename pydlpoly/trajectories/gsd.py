@@ -82,8 +82,11 @@ class Writer(base.Writer):
         count = len(self._frames)
         if count:
             first = self._frames[0]
-            if tuple(_names(first)) != self._like.names:
-                raise InputError("cannot be continued: it has other beads", path=self.path)
+            made = self._made(self._like)
+            same = [set(one.log) - _ONCE for one in (first, made)]
+            if tuple(_names(first)) != self._like.names or same[0] != same[1]:
+                message = "cannot be continued: it has other beads, or other numbers of them"
+                raise InputError(message, path=self.path)
         kept = count
         while keep_until is not None and kept and _step(self._frames.file, kept - 1) > keep_until:
             kept -= 1
@@ -228,6 +231,9 @@ class Reader(base.CountedReader):
         )
 
 
+_ONCE = {f"{_LOG}{name}" for name in ("exact_mass", "exact_charge", "molecule")} | {
+    f"pydlpoly/{name}" for name in ("holds", "reduced", "title")
+}
 _NOT_ARRAYS = [f"{_LOG}{name}" for name in (*_OWN, "molecule")]
 
 

@@ -73,7 +73,6 @@ class Writer(base.Writer):
         """Append one frame."""
         self.check(frame)
         with self._opened() as file:
-            file.swmr_mode = True
             group = file[_GROUP]
             index = len(group["position/step"])
             for name, values in _values(frame, self._force).items():
@@ -92,18 +91,29 @@ class Writer(base.Writer):
         """Do nothing: the file is closed between frames."""
 
     @contextmanager
-    def _opened(self, path: str = "", mode: str = "r+") -> Iterator[Any]:
-        try:
-            # Programs that look at the frames so far must not stop the run: they may hold a lock.
-            with self._h5py.File(path or self.path, mode, libver=("v110", "v110"), locking=False) as file:
+    def _opened(self) -> Iterator[Any]:
+        """The file in SWMR mode, from its opening on: h5py's own switch comes later, and a kill can come between."""
+        h5f, h5p = self._h5py.h5f, self._h5py.h5p
+        access = h5p.create(h5p.FILE_ACCESS)
+        access.set_libver_bounds(h5f.LIBVER_V110, h5f.LIBVER_V110)
+        access.set_fclose_degree(h5f.CLOSE_STRONG)
+        access.set_file_locking(False, True)  # programs that look at the frames so far must not stop the run
+        with self._failures():
+            opened = h5f.open(os.fsencode(self.path), h5f.ACC_RDWR | h5f.ACC_SWMR_WRITE, access)
+            with self._h5py.File(opened) as file:
                 yield file
+
+    @contextmanager
+    def _failures(self) -> Iterator[None]:
+        try:
+            yield
         except OSError as error:
             raise RunError(f"{self.path}: cannot be written: {error}") from error
 
     def _begin(self, topology: base.Topology) -> None:
         """Write everything but frames, and let it take the name of the file when it is whole."""
         temporary = f"{self.path}.tmp"
-        with self._opened(temporary, "w") as file:
+        with self._failures(), self._h5py.File(temporary, "w", libver=("v110", "v110")) as file:
             _head(file, topology, self._like)
             _elements(file, self._like, {} if topology.reduced else _UNITS)
             for kind, links in topology.links.items():
@@ -115,7 +125,8 @@ class Writer(base.Writer):
 
     def _keep(self, keep_until: int | None) -> None:
         """Drop unfinished frames and those of later steps."""
-        clear_open_flags(self.path)
+        with self._failures():
+            clear_open_flags(self.path)
         with self._opened() as file:
             group = file.get(_GROUP)
             if (

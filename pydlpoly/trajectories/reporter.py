@@ -41,6 +41,7 @@ class FormatsReporter:
         self._level = output.trajectory_level
         self._names = tuple(bead_names(scene))
         self._indices = np.arange(1, len(self._names) + 1)
+        self._unknown = np.full(len(self._names), np.nan)
         like, topology = self.frame(simulation), topology_of(scene)
         with ExitStack() as opened:
             self._writers: list[BackgroundWriter] = []
@@ -72,7 +73,7 @@ class FormatsReporter:
             self._indices,
             scene.beads.mass,
             scene.beads.charge,
-            np.linalg.norm(simulation.displacements(), axis=1),
+            self._unknown,  # displacements: no format but HISTORY has room for them
             state.positions,
             state.velocities if self._level >= 1 else None,
             state.forces if self._level >= 2 else None,

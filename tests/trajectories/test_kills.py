@@ -171,6 +171,44 @@ def die_in_frame(file: Path, calls: int) -> None:
     writer.write(frame)
 
 
+@pytest.mark.parametrize("calls", range(9))
+def test_hdf5_while_frames_are_dropped(tmp_path: Path, calls: int) -> None:
+    """The writer ends while it makes datasets shorter, after so many of the nine; the kept frame stays."""
+    file = tmp_path / "file.h5md"
+    with open_writer("h5md", file, frames(1)[0], topology()) as writer:
+        for frame in frames(3):
+            writer.write(frame)
+    child = os.fork()
+    if child == 0:
+        try:
+            die_while_dropping(file, calls)
+        finally:
+            os._exit(1)
+    assert os.waitpid(child, 0)[1] == 7 << 8
+    steps = [frame.step for frame in read(file)]
+    assert steps == ([0, 10, 20] if calls == 0 else [0])
+    with open_writer("h5md", file, frames(1)[0], topology(), append=True, keep_until=5) as writer:
+        writer.write(frames(1, first=1)[0])
+    found = list(read(file))
+    assert [frame.step for frame in found] == [0, 10]
+    np.testing.assert_array_equal(found[1].positions, frames(2)[1].positions)
+
+
+def die_while_dropping(file: Path, calls: int) -> None:
+    real, done = h5py.Dataset.resize, 0
+
+    def resize(dataset: h5py.Dataset, *arguments: object, **words: object) -> None:
+        nonlocal done
+        if done == calls:
+            dataset.file.flush()
+            os._exit(7)
+        real(dataset, *arguments, **words)
+        done += 1
+
+    h5py.Dataset.resize = resize
+    open_writer("h5md", file, frames(1)[0], topology(), append=True, keep_until=5)
+
+
 def test_flags_of_an_hdf5_file(tmp_path: Path) -> None:
     """The checksum is the library's own, and a file that is closed is left alone."""
     with h5py.File(tmp_path / "file", "w", libver=("v110", "v110")) as file:
