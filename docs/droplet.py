@@ -19,9 +19,17 @@ DOCS = Path(__file__).resolve().parent
 EVERY, SHOWN = 20, (0, 400, 900, 1600, 8000)
 
 
-def half_axes(positions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(3,) root of 5 ⟨(r − ⟨r⟩)²⟩ along each axis; positions unwrapped."""
-    return np.asarray(np.sqrt(5.0 * np.var(positions, axis=0)))
+def about_the_middle(positions: NDArray[np.float64], edges: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(N, 3) nearest places to the droplet's middle: a bead that left through a face comes back through the other."""
+    middle = np.angle(np.exp(2j * np.pi * positions / edges).mean(axis=0)) * edges / (2.0 * np.pi)
+    places = positions - middle
+    places -= edges * np.round(places / edges)
+    return np.asarray(places - places.mean(axis=0))
+
+
+def half_axes(places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(3,) root of 5 ⟨r²⟩ along each axis; places from the middle."""
+    return np.asarray(np.sqrt(5.0 * np.mean(places**2, axis=0)))
 
 
 def main() -> None:
@@ -38,11 +46,11 @@ def main() -> None:
     simulation = Simulation(scene)
     times, axes_of, shapes = [], [], {}
     for step in range(0, scene.run.steps + 1, EVERY):
-        places = simulation.state.unwrapped
+        places = about_the_middle(simulation.state.positions, np.diag(scene.cell))
         times.append(simulation.time)
         axes_of.append(half_axes(places))
         if step in SHOWN:
-            shapes[step] = places - places.mean(axis=0)
+            shapes[step] = places
         if step < scene.run.steps:
             simulation.run(EVERY)
     figure = plt.figure(figsize=(11.0, 5.2), layout="constrained")

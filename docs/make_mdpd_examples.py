@@ -33,8 +33,8 @@ time_run               {steps} steps
 time_equilibration     {equilibration} steps
 random_seed            [ 31 12 22 ]
 
-print_frequency        500 steps
-stats_frequency        100 steps
+print_frequency        200 steps
+stats_frequency        20 steps
 traj_calculate         on
 traj_interval          {interval} steps
 data_dump_frequency    5000 steps
