@@ -151,6 +151,9 @@ def test_energy_drift(scene: Scene, drift: float, level: str) -> None:
     energy = 160 * (5.0 + drift * np.arange(401) / 300 + 1e-5 * np.random.default_rng(2).standard_normal(401))
     finding = only(judging.energy_drift, run_of(nve, statistics=table(extended_energy=energy)))
     assert finding.level == level
+    hot = table(extended_energy=energy, temperature=2.0)  # against twice the thermal energy
+    told = only(judging.energy_drift, run_of(nve, statistics=hot)).text.split()[5]
+    assert float(told) == pytest.approx(drift / 2, abs=1e-4)
     assert judging.energy_drift(Evidence(run_of(scene))) == []
     if level == "warning":
         assert f"{drift:.2g} k_B T per bead" in finding.text
