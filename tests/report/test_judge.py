@@ -189,7 +189,7 @@ def test_whole_run(scene: Scene) -> None:
     assert "at step 4000 of 4000: it was killed" in text(OutputLog("0", "", steps=np.array([4000]), ended=False))
     assert "ended early, at step 1050 of 4000" in text(replace(ended, last_step=1050), statistics=table(106))
     stopped = replace(ended, last_step=7, warnings=("the run stopped: bead 3 left the box",))
-    assert text(stopped, statistics=table(1)) == "the run stopped: bead 3 left the box, at step 7 of 4000"
+    assert text(stopped, statistics=table(1)) == "the run stopped: bead 3 left the box; 7 of 4000 steps were taken"
     finding = only(judging.whole_run, run_of(scene, log=None, statistics=table(106), files={"REVIVE": Path("REVIVE")}))
     assert "pydlpoly run made --resume" in finding.advice
 
@@ -223,3 +223,22 @@ def test_every_check_says_where_its_threshold_comes_from() -> None:
     for check in judging.CHECKS:
         assert check.__doc__ is not None
         assert len(check.__doc__) > 60
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (1.01219, 0.008, "1.0122 ± 0.0080"),
+        (-0.08217, 0.0243, "-0.082 ± 0.024"),
+        (-561.0034, 0.0512, "-561.003 ± 0.051"),
+        (23.4, 1.26, "23.4 ± 1.3"),
+        (1804.15, 662.0, "1800 ± 660"),
+        (1.5e7, 3.2e4, "15000000 ± 32000"),
+        (1.23456e-9, 2.5e-11, "1.23456e-09 ± 2.5e-11"),
+        (64.0, 0.0, "64 ± 0"),
+        (12.3456, float("nan"), "12.346"),
+        (float("nan"), float("nan"), "not known"),
+    ],
+)
+def test_digits_follow_the_error(value: float, error: float, text: str) -> None:
+    assert judging.with_error(judging.Average(value, error, 10)) == text
