@@ -1,4 +1,4 @@
-"""Makes docs/images/report.png, the report of the lipid example in headless Chromium: ``python docs/report_picture.py``."""
+"""Makes docs/images/report.png, the report of the lipid example in Chromium: ``python docs/report_picture.py``."""
 
 from __future__ import annotations
 

@@ -74,3 +74,22 @@ class Engine(Protocol):
 
     def notes(self) -> list[str]:
         """Return what a user should know about results of this engine."""
+
+    # Of scenes whose beads carry heat or dissolved species, or have local densities.
+
+    @property
+    def transport(self) -> Any:
+        """The core's transport, whose ``tally`` is what became of dissolved species; None without them."""
+
+    @property
+    def heat_account(self) -> tuple[float, float]:
+        """What sources and held beads gave since the start, and work that beads were charged for ahead (energy)."""
+
+    @heat_account.setter
+    def heat_account(self, account: tuple[float, float]) -> None: ...
+
+    def exchange(self, temperatures: FloatArray | None, concentrations: FloatArray | None) -> None:
+        """Replace what beads carry, as k_B T (N,) and (N, species), without a new evaluation of the forces."""
+
+    def local_densities(self) -> FloatArray:
+        """Return the local density of every bead, (N,)."""

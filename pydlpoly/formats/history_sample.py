@@ -102,7 +102,8 @@ def _all_through(path: PathLike, most: int) -> HistorySample:
     if last is not None and kept[-1][0] != count - 1:
         kept.append((count - 1, last))
     frames = tuple(kept[k][1] for k in chosen(len(kept), most))
-    return HistorySample(frames, count, "; ".join(seen))
+    told = (text.replace(f"{path}:", "line ", 1) for text in seen)
+    return HistorySample(frames, count, "; ".join(told))
 
 
 @contextmanager

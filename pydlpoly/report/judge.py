@@ -26,7 +26,7 @@ KINETIC = 0.01
 PRESSURE_ERROR, PRESSURE_CHANGE = 0.05, 0.02
 MOMENTUM = 1e-3
 ENERGY = 0.01
-REPORTERS = 0.25
+REPORTERS, LEAST_SECONDS = 0.25, 10.0
 LEAST_INDEPENDENT = 4.0
 EQUILIBRATION = 0.05
 
@@ -124,7 +124,7 @@ def whole_run(evidence: Evidence) -> list[Finding]:
         again = "there is no checkpoint to continue from: `data_dump_frequency` says how often one is written"
     if stopped is not None:
         advice = "a shorter `timestep`, or forces capped at the start (`equilibration_force_cap`), may help"
-        return [Finding("warning", "Run stopped", f"{stopped}{_of(done, asked)}", advice)]
+        return [Finding("warning", "Run stopped", f"{stopped}; {done} of {asked} steps were taken", advice)]
     if log is not None and not log.ended:
         text = f"the run did not end in good order{_of(done, asked)}: it was killed, or is still running"
         return [Finding("warning", "Run incomplete", text, again)]
@@ -349,11 +349,13 @@ def own_words(evidence: Evidence) -> list[Finding]:
 def time_of_reporters(evidence: Evidence) -> list[Finding]:
     """More than a quarter of the loop's time in observing and writing instead of steps.
 
-    A choice of ours: below that, longer intervals would gain less than a better timestep does.
+    A choice of ours: below that, longer intervals would gain less than a better timestep does. Runs of less than ten
+    seconds are over before it matters.
     """
     log = evidence.run.log
-    if log is None or not log.loop_seconds or "of which motion and forces" not in log.timings:
+    if log is None or (log.loop_seconds or 0.0) < LEAST_SECONDS or "of which motion and forces" not in log.timings:
         return []
+    assert log.loop_seconds is not None
     parts = {name.removeprefix("of which "): t for name, t in log.timings.items() if name.startswith("of which ")}
     steps = parts.pop("motion and forces")
     share = 1.0 - steps / log.loop_seconds
@@ -482,6 +484,8 @@ def with_error(average: Average) -> str:
     if average.error == 0.0:
         return f"{average.value:.6g} ± 0"
     digits = 1 - math.floor(math.log10(average.error))
+    if -6 <= digits < 0:
+        return f"{round(average.value, digits):.0f} ± {round(average.error, digits):.0f}"
     if 0 <= digits <= 8:
         return f"{average.value:.{digits}f} ± {average.error:.{digits}f}"
     return f"{average.value:.6g} ± {average.error:.2g}"

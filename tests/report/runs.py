@@ -14,6 +14,8 @@ from pydlpoly.scene import load
 
 from ..run_folders import run_folder
 
+# The installed script: from the repository root, -m would find the source folder without the compiled core.
+COMMAND = str(Path(sys.executable).with_name("pydlpoly"))
 ALL_FILES = {
     "time_run": "600 steps",
     "time_equilibration": "100 steps",
@@ -53,7 +55,7 @@ def killed(folder: Path) -> Path:
     """A run that SIGKILL ends in the middle, with some frames in HISTORY, the last of which is then cut short."""
     run_folder(folder, LONG)
     history = folder / "HISTORY"
-    process = subprocess.Popen([sys.executable, "-m", "pydlpoly", "run", str(folder), "--quiet"])
+    process = subprocess.Popen([COMMAND, "run", str(folder), "--quiet"])
     try:
         until = time.monotonic() + 120.0
         while time.monotonic() < until and (not history.is_file() or history.stat().st_size < 150_000):

@@ -151,6 +151,9 @@ def test_energy_drift(scene: Scene, drift: float, level: str) -> None:
     energy = 160 * (5.0 + drift * np.arange(401) / 300 + 1e-5 * np.random.default_rng(2).standard_normal(401))
     finding = only(judging.energy_drift, run_of(nve, statistics=table(extended_energy=energy)))
     assert finding.level == level
+    hot = table(extended_energy=energy, temperature=2.0)  # against twice the thermal energy
+    told = only(judging.energy_drift, run_of(nve, statistics=hot)).text.split()[5]
+    assert float(told) == pytest.approx(drift / 2, abs=1e-4)
     assert judging.energy_drift(Evidence(run_of(scene))) == []
     if level == "warning":
         assert f"{drift:.2g} k_B T per bead" in finding.text
@@ -186,7 +189,7 @@ def test_whole_run(scene: Scene) -> None:
     assert "at step 4000 of 4000: it was killed" in text(OutputLog("0", "", steps=np.array([4000]), ended=False))
     assert "ended early, at step 1050 of 4000" in text(replace(ended, last_step=1050), statistics=table(106))
     stopped = replace(ended, last_step=7, warnings=("the run stopped: bead 3 left the box",))
-    assert text(stopped, statistics=table(1)) == "the run stopped: bead 3 left the box, at step 7 of 4000"
+    assert text(stopped, statistics=table(1)) == "the run stopped: bead 3 left the box; 7 of 4000 steps were taken"
     finding = only(judging.whole_run, run_of(scene, log=None, statistics=table(106), files={"REVIVE": Path("REVIVE")}))
     assert "pydlpoly run made --resume" in finding.advice
 
@@ -220,3 +223,22 @@ def test_every_check_says_where_its_threshold_comes_from() -> None:
     for check in judging.CHECKS:
         assert check.__doc__ is not None
         assert len(check.__doc__) > 60
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (1.01219, 0.008, "1.0122 ± 0.0080"),
+        (-0.08217, 0.0243, "-0.082 ± 0.024"),
+        (-561.0034, 0.0512, "-561.003 ± 0.051"),
+        (23.4, 1.26, "23.4 ± 1.3"),
+        (1804.15, 662.0, "1800 ± 660"),
+        (1.5e7, 3.2e4, "15000000 ± 32000"),
+        (1.23456e-9, 2.5e-11, "1.23456e-09 ± 2.5e-11"),
+        (64.0, 0.0, "64 ± 0"),
+        (12.3456, float("nan"), "12.346"),
+        (float("nan"), float("nan"), "not known"),
+    ],
+)
+def test_digits_follow_the_error(value: float, error: float, text: str) -> None:
+    assert judging.with_error(judging.Average(value, error, 10)) == text

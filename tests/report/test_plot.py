@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+
+from .runs import COMMAND
 
 SIGNATURES = {".png": b"\x89PNG\r\n", ".svg": b"<?xml", ".pdf": b"%PDF"}
 
 
 def command(*words: object, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
-    line = [sys.executable, "-m", "pydlpoly", *(str(word) for word in words)]
+    line = [COMMAND, *(str(word) for word in words)]
     return subprocess.run(line, capture_output=True, text=True, check=False, cwd=folder)
 
 
