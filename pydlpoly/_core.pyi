@@ -810,6 +810,7 @@ class HeatPairs:
         """
     @held.setter
     def held(self, arg1: collections.abc.Sequence[bool]) -> None: ...
+
 class Transport:
     """
     Transport of dissolved species; see cpp/meso/species_transport.hpp.
@@ -1022,7 +1023,7 @@ def set_heat(
     ],
 ) -> None:
     """
-    Gives beads with temperatures and heat capacities their coefficients, once; sources are (box, sphere or species, numbers, rate).
+    Gives beads with temperatures and heat capacities their coefficients, once; sources: (box, sphere or species, numbers, rate).
     """
 
 def set_heat_account(

@@ -31,8 +31,8 @@ from pydlpoly.formats.control import read_control, write_control
 from pydlpoly.gallery import example_folder as example_folder
 from pydlpoly.gallery import example_names as example_names
 from pydlpoly.gallery import examples
-from pydlpoly.report.cli import plot_command, report_command
 from pydlpoly.planning.cli import plan
+from pydlpoly.report.cli import plot_command, report_command
 from pydlpoly.runner import RunResult, run_scene
 from pydlpoly.scene import Scene, load
 from pydlpoly.scene.model import Precision
@@ -177,9 +177,7 @@ def explain(
 def convert(
     source: Annotated[
         Path,
-        typer.Argument(
-            help="A CONTROL file of either style; with --to dl_poly and lammps a folder; or a trajectory."
-        ),
+        typer.Argument(help="A CONTROL file of either style; with dl_poly and lammps a folder; or a trajectory."),
     ],
     *,
     to: Annotated[
@@ -194,7 +192,7 @@ def convert(
         typer.Option(
             "--output",
             "-o",
-            help="File (or folder, with --to's folder) to write; default: standard output, of trajectories beside SOURCE.",
+            help="File or folder to write; default: standard output, of trajectories beside SOURCE.",
         ),
     ] = None,
     frame: Annotated[

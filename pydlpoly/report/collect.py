@@ -286,7 +286,7 @@ class _Reader:
             newest += [found] if found is not None else []
         elif plan.configuration_file is not None and (self._folder / plan.configuration_file).is_file():
             self._files[plan.configuration_file] = self._folder / plan.configuration_file
-        if history is not None and history.frames:
+        if history is not None and history.frames and plan.trajectory_file is not None:
             first.append(of_frame(history.frames[0], plan.trajectory_file))
             newest.append(of_frame(history.frames[-1], plan.trajectory_file))
         start = first[0] if first else None
