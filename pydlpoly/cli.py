@@ -183,8 +183,8 @@ def convert(
     to: Annotated[
         str,
         typer.Option(
-            help="new | old: the style of CONTROL to write; dl_poly: CONTROL, FIELD and CONFIG; lammps: a script; history "
-            "| extxyz | gsd | h5md | dcd: a trajectory; config: one of its frames."
+            help="new | old: the style of CONTROL to write; dl_poly: CONTROL, FIELD and CONFIG; lammps: a script; "
+            "history | extxyz | gsd | h5md | dcd: a trajectory; config: one of its frames."
         ),
     ] = "new",
     output: Annotated[
