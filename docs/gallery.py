@@ -3,7 +3,8 @@
 ``python docs/gallery.py`` runs all of them (a minute or two), with names only those. Beads are drawn along an axis of
 the cell, the farthest first and palest. The table ``picture`` of an ``example.toml`` may say: ``steps`` (those of
 CONTROL without it), ``along`` (x, y or z; y without it), ``hide`` (species that are left out), ``colour`` (``species``,
-or ``vx``, the velocity along x).
+``vx``, the velocity along x, or an array that beads carry, such as ``temperature``), ``diameter`` (of a bead;
+without it that of beads of the mean density).
 """
 
 from __future__ import annotations
@@ -12,8 +13,10 @@ import io
 import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pydlpoly import Simulation, load
 from pydlpoly.gallery import Example, gallery
@@ -37,6 +40,26 @@ def run(example: Example) -> Simulation:
     return simulation
 
 
+class Shading(NamedTuple):
+    """One number a bead, and what it is called; numbers beyond the ends look like the ends."""
+
+    name: str
+    values: NDArray[np.float64]
+    low: float
+    high: float
+
+
+def shades(colour: str, simulation: Simulation) -> Shading | None:
+    """Return the numbers that beads are coloured by; None where it is by species."""
+    if colour == "species":
+        return None
+    if colour == "vx":
+        return Shading("v along x", simulation.velocities[:, 0], -2.0, 2.0)
+    values = simulation.bead_arrays()[colour]
+    low, high = np.quantile(values, (0.02, 0.98)).tolist()
+    return Shading(colour.replace("_", " of "), values, low, high)
+
+
 def draw(example: Example, simulation: Simulation) -> bytes:
     """Return a PNG file of the beads."""
     from matplotlib import colormaps
@@ -47,7 +70,7 @@ def draw(example: Example, simulation: Simulation) -> bytes:
 
     scene, state = simulation.scene, simulation.state
     picture = example.picture
-    by_velocity = picture.get("colour", "species") == "vx"
+    shading = shades(picture.get("colour", "species"), simulation)
     depth = "xyz".index(picture.get("along", "y"))
     across, upwards = (axis for axis in range(3) if axis != depth)
     hidden = [scene.species.index(name) for name in picture.get("hide", [])]
@@ -56,20 +79,20 @@ def draw(example: Example, simulation: Simulation) -> bytes:
     places = state.positions[order]
     edges = np.linalg.norm(simulation.cell, axis=1)
     spacing = (np.prod(edges) / scene.bead_count) ** (1.0 / 3.0)
-    if by_velocity:
-        scale = Normalize(-2.0, 2.0)
-        colours = colormaps["coolwarm"](scale(state.velocities[order, 0]))[:, :3]
+    if shading is not None:
+        scale = Normalize(shading.low, shading.high)
+        colours = colormaps["coolwarm"](scale(shading.values[order]))[:, :3]
     else:
         palette = np.array([to_rgb(colour) for colour in COLOURS])
         colours = palette[scene.beads.species[order] % len(palette)]
     deepest = edges[depth] if hidden else DEEP * spacing
-    fade = 0.0 if by_velocity else PALE  # of velocities, pale ones are slow
+    fade = 0.0 if shading is not None else PALE  # of shades, pale ones are in the middle
     pale = fade * np.clip((0.5 * edges[depth] - places[:, depth]) / deepest, 0.0, 1.0)[:, None]
 
     height = min(WIDTH * edges[upwards] / edges[across], HEIGHT)
     figure = Figure((WIDTH, height + 0.35), dpi=DOTS)
     axes = figure.add_axes((0.01, 0.01, 0.98, height / (height + 0.35) - 0.01))
-    size = 2.0 * RADIUS * spacing / 0.693
+    size = picture.get("diameter", 2.0 * RADIUS * spacing / 0.693)
     beads = EllipseCollection(
         size,
         size,
@@ -87,9 +110,10 @@ def draw(example: Example, simulation: Simulation) -> bytes:
     axes.set(xticks=[], yticks=[])
     for spine in axes.spines.values():
         spine.set_color("#888888")
-    if by_velocity:
-        labels = [("v along x: -2", colormaps["coolwarm"](0.0)), ("0", colormaps["coolwarm"](0.5))]
-        labels.append(("2", colormaps["coolwarm"](1.0)))
+    if shading is not None:
+        values = (shading.low, 0.5 * (shading.low + shading.high), shading.high)
+        labels = [(f"{value:.3g}", colormaps["coolwarm"](scale(value))) for value in values]
+        labels[0] = (f"{shading.name}: {labels[0][0]}", labels[0][1])
     else:
         kinds = [k for k in range(len(scene.species)) if k not in hidden]
         labels = [(scene.species[k], COLOURS[k % len(COLOURS)]) for k in kinds]
