@@ -141,7 +141,7 @@ POINTS = {
 
 
 def equation_of_state() -> Found:
-    """Pressures at A ρ/k_B T = 75, 150 τ of 3000 beads each, and at two other strengths."""
+    """Pressures at A ρ/k_B T = 75, 50 τ of 3000 beads each, and at two other strengths."""
     found = {}
     for key, (thermal_energy, density) in POINTS.items():
         scene = fluid(75.0 * thermal_energy / density, density=density, thermal_energy=thermal_energy)
@@ -152,11 +152,11 @@ def equation_of_state() -> Found:
 
 
 def mean_pressure(scene: Scene, thermal_energy: float) -> tuple[float, float]:
-    """Return the pressure after 20 τ to equilibrate."""
+    """Return the pressure after 10 τ to equilibrate."""
     simulation = Simulation(scene, seed=43, threads=1)
-    simulation.run(2000)
+    simulation.run(1000)
     values = []
-    for _ in range(1500):
+    for _ in range(500):
         simulation.run(10)
         values.append(pressure_of(simulation, thermal_energy))
     return block_mean(values)
@@ -166,7 +166,7 @@ def mean_pressure(scene: Scene, thermal_energy: float) -> tuple[float, float]:
 
 
 def diffusion() -> Found:
-    """Self-diffusion from the slope of the mean-square displacement between 5 and 10 τ, 200 τ of 3000 beads each."""
+    """Self-diffusion from the slope of the mean-square displacement between 5 and 10 τ, 100 τ of 3000 beads each."""
     scenes = {
         "diffusion-25": fluid(25.0, timestep=0.02),
         "diffusion-15": fluid(15.0, timestep=0.02),
@@ -174,15 +174,16 @@ def diffusion() -> Found:
         "diffusion-lowe": fluid(25.0, drag=4.4, timestep=0.02, order="lowe-andersen"),
         "diffusion-bare": fluid(0.0, drag=6.75, timestep=0.02),
     }
-    found = {}
-    for key, scene in scenes.items():
-        simulation = Simulation(scene, seed=44, threads=1)
-        every = round(0.2 / scene.dynamics.timestep)
-        simulation.run(100 * every)
-        moved = MeanSquareDisplacement(longest=20.0 if "bare" in key else 10.0, fit=(5.0, 10.0))
-        result = moved.of(frames(simulation, 1000 * every, every))
-        found[key] = (float(result.diffusion[0]), float(result.diffusion_error[0]))
-    return found
+    return {key: self_diffusion(scene) for key, scene in scenes.items()}
+
+
+def self_diffusion(scene: Scene) -> tuple[float, float]:
+    """Return the diffusion coefficient after 10 τ to equilibrate."""
+    simulation = Simulation(scene, seed=44, threads=1)
+    every = round(0.2 / scene.dynamics.timestep)
+    simulation.run(50 * every)
+    result = MeanSquareDisplacement(longest=10.0, fit=(5.0, 10.0)).of(frames(simulation, 500 * every, every))
+    return float(result.diffusion[0]), float(result.diffusion_error[0])
 
 
 def viscosity() -> Found:

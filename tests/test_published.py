@@ -6,6 +6,7 @@ import importlib.util
 import sys
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
 
@@ -24,7 +25,10 @@ def load_script() -> ModuleType:
 
 SCRIPT = load_script()
 FOUND = SCRIPT.results()
-ROUGH = {"tension": 0.12}  # a fit that is good to a tenth
+# Wider than the errors say: a fit that is good to a tenth, a number without an error, and errors that are statistical
+# alone: those of Allen and Tildesley leave out what their timestep does.
+ROUGH = {"tension": 0.12, "diffusion-bare": 0.05}
+ROUGH |= {row.key: 0.0015 for row in SCRIPT.ROWS if row.key.startswith("at-")}
 
 
 def test_the_table_is_current() -> None:
@@ -39,14 +43,16 @@ def test_results_and_rows_belong_together() -> None:
 
 
 @pytest.mark.parametrize("row", SCRIPT.ROWS, ids=lambda row: row.key)
-def test_ours_agrees(row: object) -> None:
+def test_ours_agrees(row: Any) -> None:
     """Within four standard errors of both; within 2 % where theirs has none; to the last digit where ours has none."""
-    value, error = FOUND[row.key]  # type: ignore[attr-defined]
-    published, theirs = row.value, row.error  # type: ignore[attr-defined]
-    if theirs:
+    value, error = FOUND[row.key]
+    published, theirs = row.value, row.error
+    if row.key in ROUGH:
+        assert value == pytest.approx(published, rel=ROUGH[row.key])
+    elif theirs:
         assert abs(value - published) < 4.0 * (error**2 + theirs**2) ** 0.5
     elif error:
-        assert value == pytest.approx(published, rel=ROUGH.get(row.key, 0.02))  # type: ignore[attr-defined]
+        assert value == pytest.approx(published, rel=0.02)
     else:
         digits = len(SCRIPT.plain(published).split(".")[1])
         assert abs(value - published) <= 0.6 * 10.0**-digits
