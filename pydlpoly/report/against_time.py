@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pydlpoly.report.collect import Run
-from pydlpoly.report.judge import momentum_goes_to, thermal_momentum, with_error
+from pydlpoly.report.evidence import momentum_goes_to, thermal_momentum, with_error
 from pydlpoly.report.series import Average, Series, all_series, pick
 from pydlpoly.report.style import (
     BAND,

@@ -63,9 +63,8 @@ def plot_command(
     path = output if output is not None else Path(f"{quantity}.png")
     if path.suffix not in _ENDINGS:
         raise InputError(f"expected a name that ends with {', '.join(_ENDINGS)}", path=str(path))
-    if quantity in FIGURES:
-        drawing = draw(run, quantity)
-    else:
+    drawing = draw(run, quantity) if quantity in FIGURES else None
+    if drawing is None:  # a volume that does not vary, for one, is no figure of the report
         with look():
             drawing = one_quantity(run, quantity)
     if drawing is None:

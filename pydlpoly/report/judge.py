@@ -16,7 +16,16 @@ import numpy as np
 
 from pydlpoly.formats.blocks import block_means, three_of
 from pydlpoly.report.collect import Run
-from pydlpoly.report.series import LEAST_SAMPLES, Average, Series, all_series, change_and_chance, trend_and_chance
+from pydlpoly.report.evidence import (
+    Evidence,
+    independent_samples,
+    kinetic_pressure,
+    largest_fluctuation,
+    momentum_goes_to,
+    thermal_momentum,
+    with_error,
+)
+from pydlpoly.report.series import LEAST_SAMPLES, Average, change_and_chance, trend_and_chance
 from pydlpoly.temperatures import TOLERATED, change_over
 from pydlpoly.tradeoff.statistics import slope_and_error
 
@@ -46,46 +55,6 @@ class Finding:
     subject: str
     text: str
     advice: str = ""
-
-
-class Evidence:
-    """A run with its quantities and averages, computed once for all checks."""
-
-    def __init__(self, run: Run) -> None:
-        self.run, self.units = run, run.units
-        self.series: dict[str, Series] = all_series(run)
-
-    def average(self, name: str) -> Average | None:
-        """Return the average of a quantity; None when there is none, or no sample counts yet."""
-        if name not in self.series:
-            return None
-        average = self.series[name].average()
-        return average if average.samples else None
-
-    def configurational(self) -> Average | None:
-        """Return the configurational temperature: of DIAGNOSTICS, or else the one at the end of OUTPUT."""
-        return self.average("configurational_temperature") or self._of_output("configurational")
-
-    def kinetic(self) -> Average | None:
-        """Return the kinetic temperature: of STATIS, DIAGNOSTICS or the end of OUTPUT."""
-        found = self.average("temperature") or self.average("kinetic_temperature")
-        return found or self._of_output("kinetic")
-
-    def _of_output(self, name: str) -> Average | None:
-        log = self.run.log
-        if log is None or name not in log.temperatures:
-            return None
-        value, error = log.temperatures[name]
-        return Average(value, error, LEAST_SAMPLES, three_of(LEAST_SAMPLES - 1) * error)  # from 8 blocks or more
-
-    @property
-    def folder(self) -> str:
-        """The folder's name for a command line."""
-        return shlex.quote(str(self.run.folder))
-
-    def number(self, value: float, kind: str) -> str:
-        """Return a value with its unit."""
-        return f"{value:.5g} {self.units.of(kind)}".rstrip()
 
 
 def judge_run(run: Run) -> list[Finding]:
@@ -152,7 +121,7 @@ def kinetic_temperature(evidence: Evidence) -> list[Finding]:
         return [_unknown("Kinetic temperature", "there are no samples after the equilibration")]
     off = average.value / target - 1.0
     numbers = f"{_mean(evidence, average, 'temperature')}, thermostat {evidence.number(target, 'temperature')}"
-    chance = min(average.chance, _largest_fluctuation(evidence.run))
+    chance = min(average.chance, largest_fluctuation(evidence.run))
     if abs(off) <= KINETIC or abs(average.value - target) <= chance:
         return [Finding("fine", "Kinetic temperature", f"kinetic temperature within 1 % or its error ({numbers})")]
     text = f"kinetic temperature {_percent(off)} ({numbers})"
@@ -276,7 +245,7 @@ def pressure(evidence: Evidence) -> list[Finding]:
     series, average = evidence.series.get("pressure"), evidence.average("pressure")
     if series is None or average is None or not average.known:
         return [_unknown("Pressure", "there are too few samples after the equilibration")]
-    size = max(abs(average.value), _kinetic_pressure(evidence))
+    size = max(abs(average.value), kinetic_pressure(evidence))
     mean = _mean(evidence, average, "pressure")
     change, chance = change_and_chance(series)
     if abs(change) > max(chance, PRESSURE_CHANGE * size):
@@ -306,7 +275,7 @@ def enough_samples(evidence: Evidence) -> list[Finding]:
         text = f"{count} samples after the equilibration are too few for errors"
         return [Finding("warning", "Too short", text, more)]
     assert series is not None
-    independent = _independent(series)
+    independent = independent_samples(series)
     if independent < LEAST_INDEPENDENT:
         text = f"{count} samples of the pressure are worth about {max(independent, 1.0):.0f} independent ones: too few"
         return [Finding("warning", "Too short", text, "a longer `time_run`")]
@@ -384,33 +353,6 @@ CHECKS: tuple[Callable[[Evidence], list[Finding]], ...] = (
 """All checks, in the order in which their warnings are listed."""
 
 
-def thermal_momentum(run: Run) -> float:
-    """Return √(3 M k_B T) in Da Å/ps, M being the mass of all mobile beads; 0 without a scene."""
-    scene = run.scene
-    if scene is None:
-        return 0.0
-    mass = float(scene.beads.mass[~scene.beads.frozen].sum())
-    return math.sqrt(3.0 * mass * scene.dynamics.thermal_energy)
-
-
-def momentum_goes_to(run: Run) -> str | None:
-    """Return what takes up momentum in this scene, in words; None when it is conserved."""
-    scene = run.scene
-    if scene is None:
-        return None
-    if scene.external:
-        return "an external field acts"
-    if scene.walls is not None:
-        return "there are walls"
-    if bool(scene.beads.frozen.any()):
-        return "there are frozen beads"
-    if scene.dynamics.integrator == "langevin":
-        return "a Langevin thermostat acts on each bead"
-    if scene.bonded is not None and scene.bonded.anchors is not None:
-        return "beads are tethered"
-    return None
-
-
 def _cause(evidence: Evidence, name: str, off: float) -> tuple[str, str]:
     """The likely cause of a temperature that is off, and what to do."""
     run, scene = evidence.run, evidence.run.scene
@@ -426,40 +368,14 @@ def _cause(evidence: Evidence, name: str, off: float) -> tuple[str, str]:
     if scene is not None and scene.dynamics.shear_rate != 0.0:
         return f"shear {heat}", _shorter(run)
     step = f" ({evidence.number(run.timestep, 'time')})" if run.timestep else ""
-    if run.equilibration == 0 or series is None or _independent(series) < LEAST_INDEPENDENT:
+    if run.equilibration == 0 or series is None or independent_samples(series) < LEAST_INDEPENDENT:
         step += ", or the run is not equilibrated"
     return f"timestep too long{step}", _shorter(run)
-
-
-def _independent(series: Series) -> float:
-    """How many independent samples those that count are worth: their variance over the squared error of the mean."""
-    average = series.average()
-    if not average.samples:
-        return 0.0
-    variance = float(np.nanvar(series.values[series.counted]))
-    return min(float(average.samples), variance / average.error**2) if average.error > 0.0 else float(average.samples)
 
 
 def _shorter(run: Run) -> str:
     folder = shlex.quote(str(run.folder))
     return f"`pydlpoly tradeoff {folder}` finds integrator and timestep that are accurate enough"
-
-
-def _largest_fluctuation(run: Run) -> float:
-    """Four standard deviations of a single kinetic temperature, T √(2/g); infinite where g is not known."""
-    scene, target = run.scene, run.target_temperature
-    if scene is None or target is None or scene.degrees_of_freedom <= 0:
-        return math.inf
-    return 4.0 * target * math.sqrt(2.0 / scene.degrees_of_freedom)
-
-
-def _kinetic_pressure(evidence: Evidence) -> float:
-    """ρ k_B T in the unit of pressure: the scale of a pressure that happens to be near 0."""
-    scene = evidence.run.scene
-    if scene is None:
-        return 0.0
-    volume = abs(float(np.linalg.det(scene.cell)))
-    return scene.bead_count * scene.dynamics.thermal_energy / volume * scene.units.pressure_factor if volume else 0.0
 
 
 def _unknown(subject: str, text: str, keyword: str = "") -> Finding:
@@ -473,22 +389,6 @@ def _percent(off: float) -> str:
 
 def _mean(evidence: Evidence, average: Average, kind: str) -> str:
     return f"{with_error(average)} {evidence.units.of(kind)}".rstrip()
-
-
-def with_error(average: Average) -> str:
-    """Return a mean with its error, as many digits as that allows."""
-    if not math.isfinite(average.value):
-        return "not known"
-    if not average.known:
-        return f"{average.value:.5g}"
-    if average.error == 0.0:
-        return f"{average.value:.6g} ± 0"
-    digits = 1 - math.floor(math.log10(average.error))
-    if -6 <= digits < 0:
-        return f"{round(average.value, digits):.0f} ± {round(average.error, digits):.0f}"
-    if 0 <= digits <= 8:
-        return f"{average.value:.{digits}f} ± {average.error:.{digits}f}"
-    return f"{average.value:.6g} ± {average.error:.2g}"
 
 
 def _of(done: int | None, asked: int | None) -> str:

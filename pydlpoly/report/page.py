@@ -15,8 +15,9 @@ import numpy as np
 from pydlpoly import __version__
 from pydlpoly.formats.atomic import replace_file
 from pydlpoly.report.collect import Run, collect_run
+from pydlpoly.report.evidence import Evidence, with_error
 from pydlpoly.report.figures import FIGURES, draw
-from pydlpoly.report.judge import Evidence, Finding, judge_run, with_error
+from pydlpoly.report.judge import Finding, judge_run
 from pydlpoly.report.speed import steps_a_second
 from pydlpoly.report.style import Drawing, Table, axis_label, check_packages, svg
 

@@ -17,8 +17,8 @@ from ..run_folders import run_folder
 # The installed script: from the repository root, -m would find the source folder without the compiled core.
 COMMAND = str(Path(sys.executable).with_name("pydlpoly"))
 ALL_FILES = {
-    "time_run": "600 steps",
-    "time_equilibration": "100 steps",
+    "time_run": "1200 steps",
+    "time_equilibration": "600 steps",
     "stats_frequency": "5 steps",
     "diagnostics_frequency": "5 steps",
     "print_frequency": "50 steps",

@@ -13,7 +13,9 @@ from pydlpoly.formats.output_reader import OutputLog
 from pydlpoly.formats.statis import STATISTICS_NAMES, StatisticsTable
 from pydlpoly.report import judge as judging
 from pydlpoly.report.collect import Problem, Run
-from pydlpoly.report.judge import Evidence, Finding
+from pydlpoly.report.evidence import Evidence, with_error
+from pydlpoly.report.judge import Finding
+from pydlpoly.report.series import Average
 from pydlpoly.scene import load
 from pydlpoly.scene.model import ExternalTerm, Scene
 
@@ -241,4 +243,4 @@ def test_every_check_says_where_its_threshold_comes_from() -> None:
     ],
 )
 def test_digits_follow_the_error(value: float, error: float, text: str) -> None:
-    assert judging.with_error(judging.Average(value, error, 10)) == text
+    assert with_error(Average(value, error, 10)) == text

@@ -92,7 +92,7 @@ def test_numbers_are_those_of_the_run(reports) -> None:
     report = reports("healthy")
     text, log = words(report.html), read_output(report.folder / "OUTPUT")
     table = read_statistics(report.folder / "STATIS", species=["A", "B"])
-    after = table.step > 100
+    after = table.step > 600
     for name, label in (("pressure", "pressure"), ("temperature", "kinetic temperature"), ("stress_zz", "stress zz")):
         found = re.search(rf"{label} (-?[\d.]+) ± ([\d.]+) {after.sum()}\b", text)
         assert found is not None, label
@@ -108,16 +108,16 @@ def test_numbers_are_those_of_the_run(reports) -> None:
     rdf = read_rdf(report.folder / "RDFDAT")
     highest = rdf["A", "A"].max()
     assert f"A–A {highest:.3g} at {rdf.r[rdf['A', 'A'].argmax()]:.3g}" in text
-    assert "600 of 600" in text
+    assert "1200 of 1200" in text
     assert "160 (120 A, 40 B)" in text
-    assert f"{600 / log.loop_seconds:.4g} steps a second" in text
+    assert f"{1200 / log.loop_seconds:.4g} steps a second" in text
 
 
 def test_explanation_is_that_of_the_run(reports) -> None:
     text = reports("healthy").html
     for title in ("System", "Pair table", "Run", "Output", "Choices"):
         assert f"<summary>{title}</summary>" in text
-    assert "600 steps, time 6 in all" in text
+    assert "1200 steps, time 12 in all" in text
 
 
 def test_pictures_hide_the_solvent_and_say_so(reports) -> None:
