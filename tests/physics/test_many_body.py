@@ -173,3 +173,17 @@ def test_contact_angles_of_the_example() -> None:
         cap = script.contact_angle(float(attraction), spreading=3000, frames=40, seed=5)
         assert cap.angle == pytest.approx(float(printed[attraction]), abs=8.0)
         assert cap.liquid == pytest.approx(6.1, abs=0.3)
+
+
+@pytest.mark.slow
+def test_density_at_constant_pressure() -> None:
+    """At the pressure of the bulk at density 7, 61.3, a piston finds that density; standard error 0.01."""
+    cell = np.diag([6.2, 6.2, 6.2])
+    piston = {"ensemble": "npt", "pressure_hydrostatic": "61.3 dpd_p", "ensemble_barostat_friction": "2 dpd_t^-1"}
+    simulation = Simulation(fluid(block(1512, (6.2, 6.2, 6.2)), cell, "warren", **piston), seed=5, threads=1)
+    simulation.run(2000)
+    densities = []
+    for _ in range(300):
+        simulation.run(10)
+        densities.append(1512 / np.linalg.det(simulation.cell))
+    assert np.mean(densities) == pytest.approx(7.0, abs=0.04)
