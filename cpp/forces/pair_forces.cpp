@@ -53,12 +53,17 @@ void PairForces::add_modifier(std::shared_ptr<PairModifier> modifier) {
     modifiers_.push_back(std::move(modifier));
 }
 
-void PairForces::prepare_modifiers(const Box& box, const Particles& particles, int threads, bool conservative) {
+double PairForces::prepare_modifiers(const Box& box, const Particles& particles, int threads, bool conservative) {
+    if (modifiers_.empty()) {
+        return 0.0;
+    }
+    const double begin = now();
     for (const auto& modifier : modifiers_) {
         if (conservative || modifier->changes_motion()) {
             modifier->prepare(*this, box, particles, threads);
         }
     }
+    return now() - begin;
 }
 
 void PairForces::compute(const Box& box, Particles& particles, const Array3N& velocity, const ForceRequest& request,
@@ -73,7 +78,7 @@ void PairForces::compute(const Box& box, Particles& particles, const Array3N& ve
     walk.motion = (request.drag || request.noise) && table_.has_drag();
     walk.threads = useful_threads(particles.count());
     update_list(box, particles, walk.threads);
-    prepare_modifiers(box, particles, walk.threads, request.conservative);
+    const double preparing = prepare_modifiers(box, particles, walk.threads, request.conservative);
     if (walk.motion) {
         gather_motion(velocity, request, walk.threads);
     }
@@ -90,7 +95,7 @@ void PairForces::compute(const Box& box, Particles& particles, const Array3N& ve
         exponent -= largest.force >= 1.0 ? std::ilogb(largest.force) + 1 : 0;
         energy_exponent -= largest.energy >= 1.0 ? std::ilogb(largest.energy) + 1 : 0;
     }
-    ListWork work{now() - begin, list_.size(), 0};
+    ListWork work{preparing + now() - begin, list_.size(), 0};
     for (const auto& worker : workers_) {
         work.accepted += worker->accepted;
     }
@@ -118,7 +123,7 @@ double PairForces::curvature(const Box& box, const Particles& particles) {
     const int exponent = base_exponent_ + std::min(0, static_cast<int>(std::floor(std::log2(range))));
     walk.scale = std::ldexp(1.0, exponent);
     update_list(box, particles, walk.threads);
-    prepare_modifiers(box, particles, walk.threads, true);
+    static_cast<void>(prepare_modifiers(box, particles, walk.threads, true));
     static_cast<void>(visit_pairs(walk));
     WideSum sum;
     bool lost = false;
@@ -140,7 +145,7 @@ void PairForces::visit(const Box& box, const Particles& particles, PairVisitor& 
     const int threads = useful_threads(particles.count());
     update_list(box, particles, threads);
     if (visitor.wants_factors()) {
-        prepare_modifiers(box, particles, threads, true);
+        static_cast<void>(prepare_modifiers(box, particles, threads, true));
     }
     show(visitor, threads);
 }
@@ -286,7 +291,7 @@ PairForces::Largest PairForces::visit_pairs(const PairWalk& walk) {
 #ifdef _OPENMP
 #pragma omp for schedule(static)
 #endif
-        for (std::size_t k = 0; k < sums_.size(); ++k) {
+        for (std::size_t k = 0; k < (walk.forces ? sums_.size() : 0); ++k) {
             sums_[k] = GridForce{0, 0, 0, 0};
         }
         for (const std::vector<std::int32_t>& group : list_.cells().row_groups()) {

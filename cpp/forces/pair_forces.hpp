@@ -82,7 +82,8 @@ class PairForces {
     };
 
     void update_list(const Box& box, const Particles& particles, int threads);
-    void prepare_modifiers(const Box& box, const Particles& particles, int threads, bool conservative);
+    // Returns the seconds it took; the skin of the list is chosen by them, too.
+    double prepare_modifiers(const Box& box, const Particles& particles, int threads, bool conservative);
     void gather_motion(const Array3N& velocity, const ForceRequest& request, int threads);
     void spread_forces(Particles& particles, double unit, int threads) const;
     void collect_totals(int energy_exponent, PairTotals& totals) const;
