@@ -151,7 +151,9 @@ def test_another_build_runs_the_same_scene() -> None:
     assert [(c.of, c.to) for c in report.scenes[0].comparisons] == [(ours.label, other.label)]
 
 
-@pytest.mark.parametrize("name", ["water-3k", "mixture", "cutoffs", "triclinic", "gas", "lj", "polymer", "lipids"])
+@pytest.mark.parametrize(
+    "name", ["water-3k", "mixture", "cutoffs", "triclinic", "gas", "lj", "polymer", "lipids", "heat"]
+)
 def test_lammps_gets_the_same_scene(name: str, tmp_path: Path) -> None:
     """Its potential energy of the scene's own configuration is ours."""
     scene = built(SCENES[name])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import contacts, counts, geometry, integrators, long_runs, magnitudes, noise
+from . import contacts, counts, geometry, heat, integrators, long_runs, magnitudes, noise
 from .framework import Case, Seen
 
 __all__ = ["CASES", "Case", "Seen"]
@@ -15,4 +15,5 @@ CASES: list[Case] = [
     *long_runs.CASES,
     *noise.CASES,
     *integrators.CASES,
+    *heat.CASES,
 ]

@@ -91,29 +91,32 @@ def test_profile_is_the_solution_of_the_heat_equation(order: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("repulsion", "exponent"), [(0.0, 2), (0.0, 4), (18.75, 2)])
-def test_diffusivity_is_the_mean_field_one(repulsion: float, exponent: int) -> None:
-    """A wave of temperature decays at the rate D q². Fast conduction, so that self-diffusion is 1 % at most."""
-    length, conductivity, capacity = 12.0, 10.0, 1e8
-    block = heat(
-        f"capacity A {capacity}", f"pair A A kappa {conductivity / capacity} range {RANGE} exponent {exponent}"
-    )
+@pytest.mark.parametrize(("repulsion", "reach"), [(0.0, 1.58), (18.75, 1.58), (18.75, 2.2)])
+def test_diffusivity_is_the_mean_field_one(repulsion: float, reach: float) -> None:
+    """A wave of temperature decays at the rate D q²; found: 0.998, 0.974 and 0.978 of mean field, noise 1e-3.
+
+    Mean field is for many neighbours that change: conduction much faster than the beads move finds detours slower.
+    """
+    length, capacity = 12.0, 1e8
+    block = heat(f"capacity A {capacity}", f"pair A A kappa {CONDUCTIVITY / capacity} range {reach}")
     laws = (f"A A dpd {repulsion} {RANGE} 4.5",)
-    scene = fluid(block, beads=1200, cell=[5.0, length, 5.0], laws=laws, control={"cutoff": f"{RANGE} ang"})  # type: ignore[arg-type]
+    control: dict[str, str | None] = {"cutoff": f"{RANGE} ang", "ensemble_dpd_exponent": "0.41"}
+    scene = fluid(block, beads=1200, cell=[5.0, length, 5.0], laws=laws, control=control)  # type: ignore[arg-type]
     simulation = Simulation(scene, seed=1, threads=1)
-    simulation.run(200)
+    simulation.run(300)
     q = 2 * math.pi / length
+    start = simulation.displacements()[:, 1]
     set_temperatures(simulation, 1 + 0.05 * np.sin(q * simulation.positions[:, 1]))
     times, heights = [], []
-    for _ in range(11):
+    for _ in range(13):
         times.append(simulation.time)
         wave = np.exp(1j * q * simulation.positions[:, 1])
         heights.append(abs(np.mean((temperatures(simulation) - 1) * wave)))
-        simulation.run(4 if exponent == 2 else 20)
+        simulation.run(10)
     decay = -np.polyfit(times, np.log(heights), 1)[0]
-    expected = mean_field(DENSITY, conductivity, RANGE, exponent)
-    moved = float(np.mean(simulation.displacements()[:, 1] ** 2)) / (2 * simulation.time)
-    assert decay / q**2 == pytest.approx(expected + moved, rel=0.05)
+    moved = float(np.mean((simulation.displacements()[:, 1] - start) ** 2)) / (2 * (simulation.time - times[0]))
+    expected = mean_field(DENSITY, CONDUCTIVITY, reach, 2) + moved
+    assert decay / q**2 == pytest.approx(expected, rel=0.05)
 
 
 def drift(order: str, steps: int) -> float:
