@@ -14,6 +14,7 @@ import pytest
 from pydlpoly import Scene, Simulation
 from pydlpoly.formats.records import FloatArray
 from tests.heat_scenes import fluid, heat, set_temperatures, temperatures
+from tests.scene_builder import make_scene
 
 HALF, WIDTH, RANGE, DENSITY, RATE = 10.0, 5.0, 1.58, 4.0, 0.01
 CAPACITY, CONDUCTIVITY = 1e5, 1.41
@@ -69,7 +70,7 @@ def transient(diffusivity: float) -> FloatArray:
         wave = n * math.pi / HALF
         grown = np.mean(1 - np.exp(-(wave**2) * diffusivity * times))
         total += 4 * RATE * HALF**2 / (diffusivity * (n * math.pi) ** 3) * grown * np.sin(wave * np.abs(y)) * np.sign(y)
-    return 1 + total.reshape(20, 10).mean(axis=1)
+    return np.asarray(1 + total.reshape(20, 10).mean(axis=1))
 
 
 @pytest.mark.slow
@@ -117,6 +118,46 @@ def test_diffusivity_is_the_mean_field_one(repulsion: float, reach: float) -> No
     moved = float(np.mean((simulation.displacements()[:, 1] - start) ** 2)) / (2 * (simulation.time - times[0]))
     expected = mean_field(DENSITY, CONDUCTIVITY, reach, 2) + moved
     assert decay / q**2 == pytest.approx(expected, rel=0.05)
+
+
+@pytest.mark.slow
+def test_heat_of_a_source_flows_down_the_slope_to_a_wall() -> None:
+    """Between a warmed layer of half-thickness h and walls at T = 1 the slope is rate h/D; error 2 %, mean field 3."""
+    conductivity, width, gap, depth, rate = 5.0, 5.0, 12.0, 2.0, 0.2
+    rng = np.random.default_rng(3)
+    counts = {"A": round(DENSITY * width**2 * gap), "W": round(DENSITY * width**2 * depth)}
+    places = rng.uniform(-width / 2, width / 2, (sum(counts.values()), 3))
+    places[: counts["A"], 1] = rng.uniform(-gap / 2, gap / 2, counts["A"])
+    places[counts["A"] :, 1] = rng.uniform(gap / 2, gap / 2 + depth, counts["W"])  # the other wall is an image
+    block = heat(
+        f"capacity A {CAPACITY}",
+        f"capacity W {CAPACITY}",
+        f"pair A A kappa {conductivity / CAPACITY} range {RANGE}",
+        f"pair A W kappa {conductivity / CAPACITY} range {RANGE}",
+        "wall W 1.0",
+        f"source layer y -1 1 {rate}",
+    )
+    laws = tuple(f"{pair} dpd 18.75 {RANGE} 4.5" for pair in ("A A", "A W", "W W"))
+    control: dict[str, str | None] = {"cutoff": f"{RANGE} ang", "ensemble_dpd_exponent": "0.41"}
+    control |= {"ensemble_dpd_order": "ou"}
+    cell = [width, gap + depth, width]
+    places[:, 1] -= depth / 2
+    block = block.replace("y -1 1", f"y {-1 - depth / 2} {1 - depth / 2}")
+    scene = make_scene(counts, laws, cell=cell, positions=places, frozen=["W"], control=control, extensions=block)
+    simulation = Simulation(scene, seed=1, threads=1)
+    simulation.run(1200)
+    start = simulation.displacements()[: counts["A"], 1]
+    slopes = []
+    for _ in range(40):
+        simulation.run(10)
+        y, t = simulation.positions[: counts["A"], 1] + depth / 2, temperatures(simulation)[: counts["A"]]
+        for side in (1, -1):
+            middle = (side * y > 1.5) & (side * y < 4.5)
+            slopes.append(-side * np.polyfit(y[middle], t[middle], 1)[0])
+    moved = simulation.displacements()[: counts["A"], 1] - start
+    expected = mean_field(DENSITY, conductivity, RANGE, 2) + float(np.mean(moved**2)) / (2 * 4.0)
+    assert np.mean(slopes) == pytest.approx(rate / expected, rel=0.07)
+    assert set(temperatures(simulation)[counts["A"] :].tolist()) == {1.0}
 
 
 def drift(order: str, steps: int) -> float:
