@@ -156,7 +156,7 @@ def test_another_build_runs_the_same_scene() -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["water-3k", "mixture", "cutoffs", "triclinic", "gas", "lj", "species", "polymer", "lipids"]
+    "name", ["water-3k", "mixture", "cutoffs", "triclinic", "gas", "lj", "species", "polymer", "lipids", "heat"]
 )
 def test_lammps_gets_the_same_scene(name: str, tmp_path: Path) -> None:
     """Its potential energy of the scene's own configuration is ours."""

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from pydlpoly import RunError, Simulation
+from pydlpoly import InputError, RunError, SceneError, Simulation
 from pydlpoly.formats.diagnostics import read_diagnostics
 from pydlpoly.runner import run_scene
 from pydlpoly.scene.heat import WITH_HEAT
+from pydlpoly.tradeoff import tradeoff
 
 from .heat_scenes import fluid, heat, resting_pairs, set_temperatures, temperatures
 
@@ -251,3 +253,24 @@ def test_diagnostics_and_output_report_what_is_conserved(tmp_path) -> None:  # t
     )  # what drag and noise do in half a kick
     printed = re.findall(r"conserved energy +(\S+)", (tmp_path / "OUTPUT").read_text())
     assert float(printed[-1]) == pytest.approx(energy["conserved"], rel=1e-14)
+
+
+def test_a_checkpoint_goes_on_with_the_same_beads_only(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    warm, colder, none = (fluid(text) for text in (heat("capacity A 60"), heat("capacity A 50"), ""))
+    for scene, other, message in (
+        (warm, colder, "holds other heat capacities than"),
+        (warm, none, "holds beads that carry heat, but the scene to go on with has beads that carry none"),
+        (none, warm, "holds beads that carry none, but the scene to go on with has beads that carry heat"),
+    ):
+        Simulation(scene, seed=1).save(tmp_path / "checkpoint")
+        with pytest.raises(InputError, match=message):
+            Simulation.resume(tmp_path / "checkpoint", scene=other)
+
+
+def test_a_scene_that_was_changed_is_checked_again() -> None:
+    scene = fluid(heat("capacity A 60"))
+    changed = replace(scene, dynamics=replace(scene.dynamics, integrator="middle"))
+    with pytest.raises(SceneError, match="middle is not modelled with beads that carry heat"):
+        Simulation(changed, seed=1)
+    with pytest.raises(SceneError, match="no temperature that is the same for all integrators"):
+        tradeoff(scene)

@@ -10,13 +10,18 @@ from numpy.typing import NDArray
 
 from pydlpoly.bench.lammps_transport import transport_commands
 from pydlpoly.formats.records import FloatArray
-from pydlpoly.scene.model import Bonded, PairTerm, Scene
+from pydlpoly.scene.model import Bonded, Heat, PairTerm, Scene
 
 SKINS = (0.1, 0.2, 0.3, 0.4)
 _CHECKED = "neigh_modify delay 0 every 1 check yes"
 _BONDED = {("bond", "harm"): "harmonic", ("angle", "hcos"): "cosine/squared"}
 _SECTIONS = {"bond": "Bonds", "angle": "Angles"}
-_VARIANTS = {"tdpd": ("tdpd",), "dpd": ("dpd", "dpd/omp"), "lj/cut": ("lj/cut", "lj/cut/opt", "lj/cut/omp")}
+_VARIANTS = {
+    "dpd": ("dpd", "dpd/omp"),
+    "edpd": ("edpd",),
+    "lj/cut": ("lj/cut", "lj/cut/opt", "lj/cut/omp"),
+    "tdpd": ("tdpd",),
+}
 
 
 @dataclass(frozen=True)
@@ -86,6 +91,8 @@ def lammps_input(scene: Scene) -> LammpsInput | str:
         return reason
     if np.any(np.triu(scene.cell, 1) != 0.0):
         return "the cell is not lower triangular"
+    if scene.heat is not None:
+        return _heat(scene, scene.heat)
     laws = {term.law for term in scene.pairs}
     if laws == {"dpd"} and all(term.drag_cutoff == term.cutoff for term in scene.pairs if term.drag > 0.0):
         return _dpd(scene)
@@ -117,6 +124,39 @@ def _transport(scene: Scene) -> LammpsInput | str:
     plain = _input(scene, "tdpd", commands.settings, commands.coefficients, {})
     box = [line.replace("atom_style atomic", f"atom_style {commands.atom_style}") for line in plain.box]
     return replace(plain, box=box, dynamics=commands.dynamics)
+
+
+def _heat(scene: Scene, heat: Heat) -> LammpsInput | str:
+    """Pair style edpd, whose conduction ends where forces do; sources in boxes only."""
+    if scene.dynamics.integrator != "mdvv" or len(scene.pairs) != 1 or len(heat.terms) != 1 or heat.held:
+        return "beads that carry heat are translated for one species and mdvv"
+    if heat.viscous_heating != "lammps" or not heat.scaled_repulsion:
+        return "LAMMPS has no conserving heat of drag and noise, and its repulsion grows with the temperature"
+    pair, term, reference = scene.pairs[0], heat.terms[0], heat.reference
+    unfit = pair.law != "dpd" or term.range != pair.cutoff or reference != 1.0 or any(term.drag)
+    if unfit or any(source.kind != "box" for source in heat.sources):
+        return "LAMMPS's pair style edpd has not all that this scene asks for"
+    weight, conduction = (" ".join(f"{c:g}" for c in terms) for terms in (term.weight, term.conduction))
+    line = (
+        f"1 1 {pair.parameters[0]} {pair.drag} {scene.dynamics.weight_exponent} {pair.cutoff} {term.conductivity} "
+        f"{term.exponent} {term.range} power {weight} kappa {conduction}"
+    )
+    given = _input(scene, "edpd", f"{pair.cutoff} 34387", [line], {})
+    beads = scene.beads
+    if beads.temperature is None or beads.heat_capacity is None:
+        return "beads without temperatures"
+    states = [f"set atom * edpd/temp {beads.temperature[0]:.17g}", f"set atom * edpd/cv {beads.heat_capacity[0]:.17g}"]
+    half = 0.5 * np.repeat(np.diag(scene.cell), 2)
+    for number, source in enumerate(heat.sources):
+        bounds = np.clip(source.numbers, -half, half)  # of one box around the origin
+        low, high = bounds[::2], bounds[1::2]
+        middle, edges = 0.5 * (low + high), high - low
+        numbers = " ".join(f"{x:.17g}" for x in (*middle, *edges))
+        states.append(f"fix source{number} all edpd/source cuboid {numbers} {source.rate:.17g}")
+    given.box[1] = "atom_style edpd"
+    given.dynamics[1] = "fix motion all mvv/edpd 0.5"
+    given.dynamics[:0] = states
+    return given
 
 
 def _lennard_jones(scene: Scene) -> LammpsInput | str:

@@ -20,6 +20,7 @@ from pydlpoly.formats.records import (
     AtomLine,
     BondedLine,
     Configuration,
+    Extension,
     Field,
     FloatArray,
     Molecule,
@@ -252,6 +253,31 @@ def lipids(side: int) -> Scene:
     return make("lipid bilayer in water", molecules, names, np.concatenate([places, free]), pairs, cell)
 
 
+def heat(scale: float = 1.0) -> Scene:
+    """LAMMPS's example of pair style edpd: a fluid whose beads carry heat, warmed in one half and cooled in the other.
+
+    ``scale`` makes the cell shorter along x.
+    """
+    cell = np.diag([20.0 * scale, 20.0, 10.0])
+    text = (
+        "capacity A 1e5",
+        "pair A A kappa 1.41e-5 range 1.58 exponent 2 power 10.54 -3.66 3.44 -4.10 conductivity -0.44 -3.21 5.04 0",
+        "repulsion scaled",
+        "viscous_heating lammps",
+        "source layer y 0 10 0.01",
+        "source layer y -10 0 -0.01",
+    )
+    return single_beads(
+        "heat conduction",
+        {"A": round(4 * float(np.linalg.det(cell)))},
+        {("A", "A"): ("dpd", 18.75, 1.58, 4.5)},
+        cell,
+        cutoff=1.58,
+        control={"ensemble_dpd_exponent": "0.41"},
+        extensions=(Extension("heat", tuple(enumerate(text, 1))),),
+    )
+
+
 def _bilayer(side: int, edge: float, heads: int, tail: int) -> FloatArray:
     """Two leaves on a square lattice, heads outwards, beads 0.5 apart."""
     grid = (np.stack(np.meshgrid(np.arange(side), np.arange(side)), axis=-1).reshape(-1, 2) + 0.5) / side - 0.5
@@ -287,6 +313,7 @@ SCENES: dict[str, BenchScene] = {
         BenchScene("species", "LAMMPS's example of transport DPD, two species", dissolved_species, 300, 16_000),
         BenchScene("polymer", "DPD chains of 20 beads", lambda: polymer_melt(1200), 500, 24_000),
         BenchScene("lipids", "bilayer of DPD lipids of 11 beads in water", lambda: lipids(20), 500, 35_200),
+        BenchScene("heat", "beads that carry heat, LAMMPS's example of edpd", heat, 100, 16_000),
     )
 }
 """Every scene by name, in the order in which they are run."""

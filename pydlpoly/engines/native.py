@@ -19,6 +19,7 @@ from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.explain import PLANS
 from pydlpoly.scene.external import ON_CHARGES
+from pydlpoly.scene.heat import unfit_for_heat
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
 from pydlpoly.scene.model import Barostat, Bonded, BondedTerm, Electrostatics, Heat, ManyBody, PairTerm, Scene, Walls
 
@@ -154,6 +155,9 @@ class NativeEngine:
             raise SceneError(str(error)) from error
 
     def _set_heat(self, scene: Scene, heat: Heat) -> None:
+        unfit = unfit_for_heat(scene.dynamics)  # scenes may have been changed since they were resolved
+        if unfit is not None:
+            raise SceneError(unfit[1])
         pairs = _core.HeatPairs(len(scene.species), heat.reference, scene.dynamics.weight_exponent)
         for term in heat.terms:
             a, b = term.species

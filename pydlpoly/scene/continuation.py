@@ -21,8 +21,8 @@ def check_continues(stored: Scene, scene: Scene, path: str, cells: tuple[FloatAr
         cells: where a barostat moved the cell: the present one and that of the start; either may be the scene's.
 
     Raises:
-        InputError: other beads (number, species, masses, charges, which are frozen), another cell, or other bins or
-            samples of what both collect.
+        InputError: other beads (number, species, masses, charges, which are frozen, heat capacities), another cell, or
+            other bins or samples of what both collect.
     """
     if stored.bead_count != scene.bead_count:
         raise InputError(
@@ -34,6 +34,12 @@ def check_continues(stored: Scene, scene: Scene, path: str, cells: tuple[FloatAr
     for name, what in words.items():
         if not np.array_equal(getattr(stored.beads, name), getattr(scene.beads, name)):
             raise InputError(f"holds {what} than the scene to go on with", path=path)
+    if (stored.heat is None) != (scene.heat is None):
+        kinds = ["beads that carry heat", "beads that carry none"]
+        was, now = kinds if scene.heat is None else reversed(kinds)
+        raise InputError(f"holds {was}, but the scene to go on with has {now}", path=path)
+    if not np.array_equal(_capacities(stored), _capacities(scene)):
+        raise InputError("holds other heat capacities than the scene to go on with", path=path)
     # The extent of an open axis follows the beads; only periodic axes are part of the scene's identity.
     rows = list(stored.periodic)
     tolerance = _CELL_TOLERANCE * float(np.abs(stored.cell).max())
@@ -46,6 +52,10 @@ def check_continues(stored: Scene, scene: Scene, path: str, cells: tuple[FloatAr
         raise InputError("holds other dissolved species than the scene to go on with", path=path)
     _check_bins(stored, scene, path)
     _check_samples(stored, scene, path)
+
+
+def _capacities(scene: Scene) -> FloatArray:
+    return np.zeros(0) if scene.beads.heat_capacity is None else scene.beads.heat_capacity
 
 
 def _check_samples(stored: Scene, scene: Scene, path: str) -> None:

@@ -19,6 +19,20 @@ WITH_HEAT = ("nve", "mdvv", "zeroth", "first", "second", "peters", "peters-first
 _EXTENSION = "heat"
 
 
+def unfit_for_heat(dynamics: Dynamics) -> tuple[str, str] | None:
+    """Return the keyword and the reason where beads that carry heat do not go with the integrator, else None."""
+    if dynamics.integrator not in WITH_HEAT:
+        names = ", ".join(WITH_HEAT)
+        message = f"{dynamics.integrator} is not modelled with beads that carry heat; these are: {names}"
+        return "ensemble_dpd_order", message
+    if dynamics.integrator == "mdvv" and dynamics.prediction != 0.5:
+        return "ensemble_dpd_lambda", "beads that carry heat go with lambda 0.5 only"
+    if dynamics.integrator == "mdvv" and dynamics.half_step_kinetic:
+        message = "half is not modelled with beads that carry heat: their balance is that of the whole step"
+        return "ensemble_dpd_kinetic", message
+    return None
+
+
 def resolve_heat(field: Field, scene: Scene, settings: Settings, notes: Notes) -> Scene:
     """Return the scene with what ``extension heat`` says, or as it is where FIELD has no such block.
 
@@ -144,16 +158,22 @@ class _Resolver:
 def _check_scene(block: HeatBlock, field: Field, scene: Scene, settings: Settings) -> None:
     dynamics, run = scene.dynamics, scene.run
     at = {"path": field.path, "line": block.line or None, "word": "heat"}
-    if dynamics.integrator not in WITH_HEAT:
-        keyword = "ensemble_dpd_order" if settings.given("ensemble_dpd_order") else "ensemble_method"
-        message = f"{dynamics.integrator} is not modelled with beads that carry heat; these are: {', '.join(WITH_HEAT)}"
-        raise settings.refusal(keyword, message)
+    unfit = unfit_for_heat(dynamics)
+    if unfit is not None:
+        raise settings.refusal(unfit[0] if settings.given(unfit[0]) else "ensemble_method", unfit[1])
     if not dynamics.thermal_energy > 0.0:
         raise settings.refusal("temperature", "beads that carry heat need a temperature above 0: it is the reference")
-    _check_velocity_verlet(block, field, dynamics, settings)
+    if block.viscous_heating == "lammps" and dynamics.integrator != "mdvv":
+        raise SceneError(
+            f"viscous_heating lammps goes with the integrator mdvv only, not with {dynamics.integrator}",
+            path=field.path,
+            line=block.lines["viscous_heating"],
+            word="lammps",
+        )
+    varies = "temperature_amplitude" if settings.given("temperature_amplitude") else "temperature_times"
     reasons = {
         "shear_rate": ("a sheared cell is", dynamics.shear_rate != 0.0),
-        "temperature_times": ("a temperature that varies is", dynamics.schedule is not None),
+        varies: ("a temperature that varies is", dynamics.schedule is not None),
         "equilibration_force_cap": ("a cap on forces is", run.force_cap > 0.0 and run.equilibration_steps > 0),
         "rescale_frequency": ("rescaling of velocities is", run.rescale_every > 0 and run.equilibration_steps > 0),
         "regauss_frequency": ("redrawing of velocities is", run.regauss_every > 0 and run.equilibration_steps > 0),
@@ -173,19 +193,3 @@ def _check_scene(block: HeatBlock, field: Field, scene: Scene, settings: Setting
                 names = " ".join(scene.species[k] for k in pair.species)
                 message = f"repulsion scaled is for the law dpd; the pair {names} has {pair.law}"
                 raise SceneError(message, path=field.path, line=block.lines["repulsion"], word="scaled")
-
-
-def _check_velocity_verlet(block: HeatBlock, field: Field, dynamics: Dynamics, settings: Settings) -> None:
-    if dynamics.integrator == "mdvv":
-        if dynamics.prediction != 0.5:
-            raise settings.refusal("ensemble_dpd_lambda", "beads that carry heat go with lambda 0.5 only")
-        if dynamics.half_step_kinetic:
-            message = "half is not modelled with beads that carry heat: their balance is that of the whole step"
-            raise settings.refusal("ensemble_dpd_kinetic", message)
-    elif block.viscous_heating == "lammps":
-        raise SceneError(
-            f"viscous_heating lammps goes with the integrator mdvv only, not with {dynamics.integrator}",
-            path=field.path,
-            line=block.lines["viscous_heating"],
-            word="lammps",
-        )

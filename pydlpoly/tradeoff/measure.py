@@ -91,6 +91,8 @@ def tradeoff(
         raise InputError(f"the budget must be above 0 and the target between 0 and 1, not {budget:g} and {target:g}")
     if scene.dynamics.integrator != "nve" and not scene.dynamics.thermal_energy > 0.0:
         raise SceneError("at temperature 0 nothing fluctuates, and there is nothing to compare")
+    if scene.heat is not None:
+        raise SceneError("beads that carry heat have no temperature that is the same for all integrators to compare at")
     candidates = candidates_for(scene, integrators, timesteps, precisions)
     chosen = scene.run.seed if seed is None else seed
     base = secrets.randbits(64) if chosen is None else chosen

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import contacts, counts, densities, geometry, integrators, long_runs, magnitudes, noise, species
+from . import contacts, counts, densities, geometry, heat, integrators, long_runs, magnitudes, noise, species
 from .framework import Case, Seen
 
 __all__ = ["CASES", "Case", "Seen"]
@@ -17,4 +17,5 @@ CASES: list[Case] = [
     *densities.CASES,
     *integrators.CASES,
     *species.CASES,
+    *heat.CASES,
 ]
