@@ -298,11 +298,10 @@ class Simulation:
         if not given:
             return
         temperatures = given[TEMPERATURE] * self.scene.units.boltzmann if TEMPERATURE in given else None
-        columns = {k: CONCENTRATION + name for k, name in enumerate(dissolved_species(self.scene))}
-        changed = {k: given[name] for k, name in columns.items() if name in given}
-        concentrations = np.array(self._engine.system.concentrations) if changed else None
-        for k, column in changed.items():
-            concentrations[:, k] = column
+        concentrations = np.array(self._engine.system.concentrations)
+        for k, name in enumerate(dissolved_species(self.scene)):
+            if CONCENTRATION + name in given:
+                concentrations[:, k] = given[CONCENTRATION + name]
         self._engine.exchange(temperatures, concentrations)
         self._observation = None
 
