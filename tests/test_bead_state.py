@@ -308,9 +308,8 @@ def test_a_checkpoint_keeps_every_bit(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("was", "now", "message"),
     [
-        ({"species": 0}, None, "holds internal temperatures, and the beads of the scene to go on with carry none"),
-        (None, {"species": 0}, "holds no internal temperatures, and the beads of the scene to go on with carry some"),
-        ({"heat": False}, None, "holds concentrations, and the beads of the scene to go on with carry none"),
+        ({"species": 0}, None, "holds internal temperatures, and the beads of the scene to go on with have none"),
+        (None, {"species": 0}, "holds no internal temperatures, and the beads of the scene to go on with have some"),
     ],
 )
 def test_what_beads_carry_is_not_lost_on_the_way(
