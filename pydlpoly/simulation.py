@@ -321,7 +321,7 @@ class Simulation:
         if not given:
             return
         temperatures = given[TEMPERATURE] * self.scene.units.boltzmann if TEMPERATURE in given else None
-        concentrations = np.asarray(self._engine.system.concentrations)
+        concentrations = np.array(self._engine.system.concentrations)
         for k, name in enumerate(dissolved_species(self.scene)):
             if CONCENTRATION + name in given:
                 concentrations[:, k] = given[CONCENTRATION + name]

@@ -110,8 +110,9 @@ def _why_not(word: str, known: Sequence[str]) -> str:
 
 
 def unit_of(quantity: str, scene: Scene) -> str:
-    """Return the unit of a quantity, empty for reduced ones and for concentrations."""
-    if scene.units.reduced:
+    """Return the unit of a quantity, empty for reduced ones, concentrations and local densities of Vanya's form."""
+    form = getattr(getattr(scene, "many_body", None), "form", "two-density")
+    if scene.units.reduced or (quantity == LOCAL_DENSITY and form == "generalised"):
         return ""
     if quantity.startswith((NUMBER, LOCAL_DENSITY)):
         return "1/ang^3"

@@ -15,7 +15,7 @@ from pydlpoly.conversion import convert_folder
 from pydlpoly.formats.config import write_config
 from pydlpoly.formats.control import read_control
 from pydlpoly.formats.field import read_field
-from pydlpoly.formats.records import Configuration
+from pydlpoly.formats.records import BeadTable, Configuration
 from pydlpoly.scene.model import Scene
 
 FOLDERS = [*(f"amphiphile-{k}" for k in (1, 2, 3, 4)), "lipid", "mixing", "phase-separation"]
@@ -431,3 +431,14 @@ def test_nfold_repeats_the_cell(tmp_path: Path) -> None:
     twice = load(folder(tmp_path / "twice", {"nfold": "2 1 1"}, FIELD))
     assert twice.bead_count == 2 * once.bead_count
     assert twice.cell.diagonal() == pytest.approx(once.cell.diagonal() * (2.0, 1.0, 1.0))
+
+
+def test_a_table_of_beads_needs_their_order(tmp_path: Path) -> None:
+    """BEADS counts the beads as CONFIG does, so it cannot be used where they are numbered anew."""
+    mixed = ["B", "A"] * 40 + ["A"] * 20 + ["A", "B"] * 20
+    config(folder(tmp_path), mixed, (4.0, 4.0, 4.0))
+    table = BeadTable(("temperature",), np.ones((140, 1)))
+    with pytest.raises(InputError, match="outside molecules must stand species after species, as in"):
+        load(tmp_path, beads=table)
+    config(folder(tmp_path), NAMES, (4.0, 4.0, 4.0))
+    assert any("BEADS is not used" in text for text in notes(load(tmp_path, beads=table), "ignored"))
