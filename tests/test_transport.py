@@ -17,6 +17,7 @@ from pydlpoly import Scene, Simulation
 from pydlpoly.errors import InputError, RunError, SceneError
 from pydlpoly.formats.output import balance_text
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.runner import run_scene
 
 from .scene_builder import NVE, make_scene
 
@@ -609,3 +610,14 @@ def test_the_balance_is_a_table_of_output() -> None:
     assert float(now) == pytest.approx(amounts(simulation)[:, 0].sum(), rel=1e-8)
     assert abs(float(remainder)) < 1e-11
     assert balance_text(()) == ""
+
+
+def test_a_run_writes_the_amounts_and_continues(tmp_path: Path) -> None:
+    scene = everything()
+    run_scene(scene, tmp_path, steps=4, seed=SEED, threads=1)
+    run_scene(scene, tmp_path, steps=8, threads=2, checkpoint=tmp_path / "REVIVE")
+    text = (tmp_path / "OUTPUT").read_text()
+    assert text.count("Amounts of dissolved species, all beads together:") == 2
+    simulation = Simulation(scene, seed=SEED)
+    simulation.run(8)
+    assert balance_text(simulation.species_balance()).splitlines()[2] in text

@@ -84,19 +84,28 @@ void SpeciesExchange::prepare(const PairTable& table) {
 
 template <bool quadratic, bool gentle>
 void SpeciesExchange::make_losses(const Row& row, Maps& maps, double duration) const {
+    const auto loss = [duration](const SpeciesFlux& flux, Kind kind, double distance) {
+        const double closeness = std::max(0.0, 1.0 - distance / flux.range);
+        const double weight = quadratic ? closeness * closeness : std::pow(closeness, flux.exponent);
+        // A held bead does not come towards the other one: the difference shrinks half as fast.
+        const double both = kind == Kind::free ? 2.0 : 1.0;
+        return lost_part<gentle>(both * flux.rate * weight * duration);
+    };
     const std::size_t pairs = row.size();
+    const double* distance = maps.distance.data();
     for (std::size_t s = 0; s < count_; ++s) {
-        const SpeciesFlux* flux = &flux_[s];
-        const Kind* kind = &kind_[s];
         double* lost = &maps.lost[s * pairs];
+        if (bead_species_ == 1) {  // the same numbers for all pairs: the loop vectorises
+            const SpeciesFlux flux = flux_[s];
+            const Kind kind = kind_[s];
+            for (std::size_t k = 0; k < pairs; ++k) {
+                lost[k] = loss(flux, kind, distance[k]);
+            }
+            continue;
+        }
         for (std::size_t k = 0; k < pairs; ++k) {
-            const std::size_t entry = row.term[k] * count_;
-            const SpeciesFlux& one = flux[entry];
-            const double closeness = std::max(0.0, 1.0 - maps.distance[k] / one.range);
-            const double weight = quadratic ? closeness * closeness : std::pow(closeness, one.exponent);
-            // A held bead does not come towards the other one: the difference shrinks half as fast.
-            const double both = kind[entry] == Kind::free ? 2.0 : 1.0;
-            lost[k] = lost_part<gentle>(both * one.rate * weight * duration);
+            const std::size_t entry = row.term[k] * count_ + s;
+            lost[k] = loss(flux_[entry], kind_[entry], distance[k]);
         }
     }
 }
@@ -197,7 +206,7 @@ void SpeciesExchange::use_maps(const Row& row, const Maps& maps, bool backward, 
             double first = a[s] - moved;
             double second = b[s] + moved;
             if constexpr (noise != FluxNoise::none) {
-                const double total = first + second;
+                const double total = a[s] + b[s];
                 const double size = noise == FluxNoise::root ? std::sqrt(total) : total;
                 const double most = std::min(first, second);
                 const double random = std::clamp(maps.noise[s * pairs + k] * size, -most, most);
