@@ -14,11 +14,18 @@ from pathlib import Path
 
 import pydlpoly
 from pydlpoly import _core
-from pydlpoly.cli import example_folder, example_names
-from pydlpoly.formats.control import read_control
-from pydlpoly.formats.diagnostics import COLUMNS
+from pydlpoly.engines.lammps_translate.bonded import BONDED_STYLES, SOMETIMES
+from pydlpoly.engines.lammps_translate.bonded import why_refused as why_bonded_refused
+from pydlpoly.engines.lammps_translate.charges import METHODS
+from pydlpoly.engines.lammps_translate.integrators import INTEGRATOR_STYLES
+from pydlpoly.engines.lammps_translate.pairs import PAIR_STYLES
+from pydlpoly.engines.lammps_translate.pairs import why_refused as why_pair_refused
+from pydlpoly.formats.control import parse_control
+from pydlpoly.formats.diagnostics import COLUMNS, HEAT_COLUMNS
 from pydlpoly.formats.keywords import KEYWORDS, SYNONYMS, Keyword
 from pydlpoly.formats.statis import STATISTICS_NAMES
+from pydlpoly.gallery import gallery, relative_cost
+from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS
 from pydlpoly.trajectories import FORMATS
 from pydlpoly.units import (
     AVOGADRO,
@@ -165,7 +172,7 @@ def statis_columns() -> str:
 
 def diagnostics_columns() -> str:
     """Return the columns of DIAGNOSTICS."""
-    return table(["name", "kind", "meaning"], ([code(c.name), c.kind, c.meaning] for c in COLUMNS))
+    return table(["name", "kind", "meaning"], ([code(c.name), c.kind, c.meaning] for c in (*COLUMNS, *HEAT_COLUMNS)))
 
 
 def energy_units() -> str:
@@ -209,9 +216,71 @@ def trajectory_formats() -> str:
 
 
 def examples() -> str:
-    """Return the shipped examples with the titles of their CONTROL files."""
-    rows = ([code(name), read_control(example_folder(name) / "CONTROL").title] for name in example_names())
-    return table(["name", "title"], rows)
+    """Return the shipped examples: a table, and the pictures there are."""
+    headers = ["name", "shows", "beads", "steps", "time", "files"]
+    rows, pictures = [], []
+    for one in gallery():
+        control = parse_control(one.texts()["CONTROL"])
+        steps = str(control.get("time_run").value)
+        files = f"recipe `{one.recipe}`" if one.recipe else "as they are"
+        rows.append([code(one.name), one.shows, str(one.beads), steps, relative_cost(one), files])
+        image = f"images/example-{one.name}.png"
+        if (DOCS / image).is_file():
+            pictures.append(f"\n## {one.name}\n\n{control.title}.\n\n![{one.name}: {one.shows}]({image})\n")
+    return table(headers, rows) + "".join(pictures)
+
+
+# -- LAMMPS -----------------------------------------------------------------------------------------------------------
+
+
+def lammps_pair_laws() -> str:
+    """Return what each pair law becomes in LAMMPS."""
+    rows = []
+    for law in _core.pair_laws():
+        style = PAIR_STYLES.get(law["key"])
+        if style is None:
+            rows.append([code(law["key"]), "refused", why_pair_refused(law["key"])])
+            continue
+        own = f"{code(style.style)}; `lepton` for other numbers" if style.sometimes else code(style.style or "lepton")
+        rows.append([code(law["key"]), own, "energy, forces and virial to 1e-10"])
+    return table(["pair law", "LAMMPS's style", "equal, or why not"], rows)
+
+
+def lammps_bonded_laws() -> str:
+    """Return what each bonded law becomes in LAMMPS."""
+    rows = []
+    for law in _core.bonded_laws():
+        kind, key = law["kind"], law["key"]
+        style = BONDED_STYLES.get((kind, key))
+        if style is None:
+            rows.append([kind, code(key), "refused", why_bonded_refused(kind, key)])
+            continue
+        sometimes = style.style and (kind, key) in SOMETIMES
+        own = f"{code(style.style)}; `lepton` for other numbers" if sometimes else code(style.style or "lepton")
+        rows.append([kind, code(key), own, "energy, forces and virial to 1e-10"])
+    return table(["term", "law", "LAMMPS's style", "equal, or why not"], rows)
+
+
+def lammps_integrators() -> str:
+    """Return what each integrator becomes in LAMMPS."""
+    rows = [[code(name), style.fixes, style.equal, style.differs] for name, style in INTEGRATOR_STYLES.items()]
+    others = [name for name in (*INTEGRATORS, *THERMOSTATS) if name not in INTEGRATOR_STYLES]
+    rows.append([" ".join(map(code, others)), "refused", "", "LAMMPS has no such step, or is not given it"])
+    return table(["integrator", "LAMMPS's fixes and styles", "equal", "differs"], rows)
+
+
+def lammps_charges() -> str:
+    """Return what each way of electrostatics becomes in LAMMPS."""
+    ewald = "forces to the precision of both sums, 1e-5 with `spme_precision 1e-7`"
+    return table(
+        ["method", "LAMMPS's style", "equal"],
+        (
+            [code(row["name"]), METHODS[row["name"]], ewald if row["reciprocal"] else "to 1e-10"]
+            if row["name"] in METHODS
+            else [code(row["name"]), "refused", "it is not translated"]
+            for row in _core.charge_methods()
+        ),
+    )
 
 
 PARTS: dict[str, Callable[[], str]] = {
@@ -227,6 +296,10 @@ PARTS: dict[str, Callable[[], str]] = {
     "constants": constants,
     "python-names": python_names,
     "examples": examples,
+    "lammps-pair-laws": lammps_pair_laws,
+    "lammps-bonded-laws": lammps_bonded_laws,
+    "lammps-integrators": lammps_integrators,
+    "lammps-charges": lammps_charges,
     "trajectory-formats": trajectory_formats,
 }
 """The generated parts by name."""

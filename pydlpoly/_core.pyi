@@ -16,12 +16,14 @@ __all__: list[str] = [
     "CellMotion",
     "ChargeNumbers",
     "ChargeSettings",
+    "HeatPairs",
     "Order",
     "PairTable",
     "Precision",
     "StepSettings",
     "System",
     "TemperatureSchedule",
+    "Transport",
     "bonded_laws",
     "charge_methods",
     "charge_shapes",
@@ -29,6 +31,8 @@ __all__: list[str] = [
     "evaluate_charge",
     "evaluate_pair",
     "has_threads",
+    "heat_account",
+    "internal_energy",
     "mix",
     "mixing_rules",
     "pair_laws",
@@ -36,6 +40,9 @@ __all__: list[str] = [
     "pair_range",
     "pair_tail",
     "philox",
+    "present_kinetic_energy",
+    "set_heat",
+    "set_heat_account",
     "set_threads",
     "thread_limit",
     "word_noise",
@@ -517,9 +524,21 @@ class System:
         every: typing.SupportsInt | typing.SupportsIndex,
         after: typing.SupportsInt | typing.SupportsIndex = 0,
     ) -> None: ...
+    def exchange(
+        self,
+        temperatures: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        concentrations: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"],
+    ) -> None:
+        """
+        Replace what beads carry between two steps, as a process does: forces stay those of the last step.
+        """
     def initialise(self) -> None:
         """
         Computes and observes the forces of the present state.
+        """
+    def local_densities(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Local densities (N,) at the last evaluation of forces.
         """
     def meet_constraints(self) -> None:
         """
@@ -540,6 +559,10 @@ class System:
     def run(self, steps: typing.SupportsInt | typing.SupportsIndex) -> None:
         """
         Takes steps and observes the last one.
+        """
+    def sample_distances(self) -> None:
+        """
+        Counts the pair distances of the present positions as one more sample, whatever the step.
         """
     def set_bonded(
         self,
@@ -581,6 +604,22 @@ class System:
     ) -> None:
         """
         Takes pairs of beads whose distances stay fixed.
+        """
+    def set_many_body(
+        self,
+        kernel: str,
+        strength: typing.SupportsFloat | typing.SupportsIndex,
+        powers: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        pairs: collections.abc.Sequence[
+            tuple[
+                typing.SupportsInt | typing.SupportsIndex,
+                typing.SupportsInt | typing.SupportsIndex,
+                typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(4)"],
+            ]
+        ],
+    ) -> None:
+        """
+        Adds many-body DPD: one power m a species, and (a, b, (W(0), n, r_d, push)) of pairs of species.
         """
     def set_walls(
         self,
@@ -735,6 +774,110 @@ class System:
     @property
     def volume(self) -> float: ...
 
+class HeatPairs:
+    """
+    Coefficients of beads that carry heat; see cpp/meso/heat_pairs.hpp.
+    """
+
+    scaled_repulsion: bool
+    def __init__(
+        self,
+        species: typing.SupportsInt | typing.SupportsIndex,
+        reference: typing.SupportsFloat | typing.SupportsIndex,
+        weight_exponent: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+    def set(
+        self,
+        a: typing.SupportsInt | typing.SupportsIndex,
+        b: typing.SupportsInt | typing.SupportsIndex,
+        conductivity: typing.SupportsFloat | typing.SupportsIndex,
+        reach: typing.SupportsFloat | typing.SupportsIndex,
+        exponent: typing.SupportsFloat | typing.SupportsIndex,
+        weight: typing.Annotated[
+            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(4)"
+        ] = [0.0, 0.0, 0.0, 0.0],
+        conduction: typing.Annotated[
+            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(4)"
+        ] = [0.0, 0.0, 0.0, 0.0],
+        drag: typing.Annotated[
+            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(4)"
+        ] = [0.0, 0.0, 0.0, 0.0],
+    ) -> None: ...
+    @property
+    def held(self) -> list[bool]:
+        """
+        Beads whose temperature stays what it is, (N,).
+        """
+    @held.setter
+    def held(self, arg1: collections.abc.Sequence[bool]) -> None: ...
+class Transport:
+    """
+    Transport of dissolved species; see cpp/meso/species_transport.hpp.
+    """
+    def __init__(
+        self,
+        bead_species: typing.SupportsInt | typing.SupportsIndex,
+        dissolved: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None: ...
+    def add_hold(
+        self,
+        bead_species: typing.SupportsInt | typing.SupportsIndex,
+        dissolved: typing.SupportsInt | typing.SupportsIndex,
+        value: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None:
+        """
+        Beads of a species keep this concentration.
+        """
+    def add_reaction(
+        self,
+        rate: typing.SupportsFloat | typing.SupportsIndex,
+        reactants: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+        change: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        bead_species: typing.SupportsInt | typing.SupportsIndex = -1,
+    ) -> None:
+        """
+        Of one or two reactants; the change of every dissolved species in it; -1: in all beads.
+        """
+    def add_source(
+        self,
+        dissolved: typing.SupportsInt | typing.SupportsIndex,
+        rate: typing.SupportsFloat | typing.SupportsIndex,
+        region: str,
+        numbers: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+    ) -> None:
+        """
+        Amount a bead and time, everywhere, in the beads of a species, a box (x0 x1 y0 y1 z0 z1) or a sphere
+        (x y z radius).
+        """
+    def join(self, system: System) -> None:
+        """
+        Has the system take it in every step from now on.
+        """
+    def set_flux(
+        self,
+        a: typing.SupportsInt | typing.SupportsIndex,
+        b: typing.SupportsInt | typing.SupportsIndex,
+        dissolved: typing.SupportsInt | typing.SupportsIndex,
+        rate: typing.SupportsFloat | typing.SupportsIndex,
+        reach: typing.SupportsFloat | typing.SupportsIndex,
+        exponent: typing.SupportsFloat | typing.SupportsIndex,
+        noise: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None:
+        """
+        Exchange of a dissolved species between beads of two species.
+        """
+    def set_noise(self, noise: str) -> None:
+        """
+        off, sqrt or lammps.
+        """
+    @property
+    def tally(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        What sources, reactions and held beads have given, and what these sums lost to rounding: (6, n).
+        """
+    @tally.setter
+    def tally(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None: ...
+
 def bonded_laws() -> list[dict[str, typing.Any]]:
     """
     Every bonded law: kind, keys, parameter names and what the scene must know about it.
@@ -794,6 +937,16 @@ def has_threads() -> bool:
     Whether the core was built with OpenMP.
     """
 
+def heat_account(system: System) -> tuple[float, float]:
+    """
+    What sources and held beads gave since the start, and the work charged ahead; see state.hpp.
+    """
+
+def internal_energy(system: System) -> float:
+    """
+    Sum of heat capacity times temperature of all beads.
+    """
+
 def mix(
     rule: str,
     key: str,
@@ -851,6 +1004,32 @@ def philox(
     The four words of Philox4x32-10 for one counter and key.
     """
 
+def present_kinetic_energy(system: System) -> float:
+    """
+    Of the present velocities, which may not be those that the kinetic stress is made of.
+    """
+
+def set_heat(
+    system: System,
+    pairs: HeatPairs,
+    conserving: bool,
+    sources: collections.abc.Sequence[
+        tuple[
+            str,
+            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+            typing.SupportsFloat | typing.SupportsIndex,
+        ]
+    ],
+) -> None:
+    """
+    Gives beads with temperatures and heat capacities their coefficients, once; sources are (box, sphere or species, numbers, rate).
+    """
+
+def set_heat_account(
+    system: System,
+    supplied: typing.SupportsFloat | typing.SupportsIndex,
+    ahead: typing.SupportsFloat | typing.SupportsIndex,
+) -> None: ...
 def set_threads(threads: typing.SupportsInt | typing.SupportsIndex) -> None:
     """
     Number of threads of the next parallel regions.

@@ -33,6 +33,7 @@ from pydlpoly.formats.control import read_control
 from pydlpoly.formats.field import read_field
 from pydlpoly.formats.from_python import Pairs, control_from_mapping, single_bead_field
 from pydlpoly.formats.records import (
+    BeadTable,
     Configuration,
     Control,
     Field,
@@ -40,6 +41,7 @@ from pydlpoly.formats.records import (
     IntArray,
     Setting,
 )
+from pydlpoly.scene.beads_state import CONCENTRATION, DENSITY, TEMPERATURE, dissolved_species, start_arrays
 from pydlpoly.scene.cell import resolve_cell, wrap
 from pydlpoly.scene.load import load
 from pydlpoly.scene.model import Note, Scene
@@ -82,7 +84,8 @@ def scene_from_atoms(
     beads must come in FIELD's order, molecule by molecule; when all molecules are single beads, they are sorted by
     themselves (stable within a species) and ``Scene.source_order`` remembers where each bead stood. Masses and charges
     are FIELD's. Velocities of ``atoms`` that are not all zero are taken, unless ``control`` has a ``restart`` that says
-    otherwise.
+    otherwise. Where beads carry heat or dissolved species, the arrays "temperature" (K, reduced with ``units dpd``) and
+    "concentration_<name>" of ``atoms`` are their start.
 
     Args:
         atoms: positions (Å), cell, periodicity and velocities.
@@ -102,7 +105,8 @@ def scene_from_atoms(
     order = _order(names, force_field)
     config = _configuration(atoms, names, order)
     settings, notes = _start(_control(control), config)
-    scene = load(Path(force_field.path).parent, control=settings, field=force_field, config=config)
+    table = _bead_table(atoms, order)
+    scene = load(Path(force_field.path).parent, control=settings, field=force_field, config=config, beads=table)
     _check_beads(scene, atoms, order)
     return replace(
         scene,
@@ -220,6 +224,19 @@ def _configuration(atoms: Atoms, names: NDArray[np.str_], order: IntArray | None
     )
 
 
+def _bead_table(atoms: Atoms, order: IntArray | None) -> BeadTable | None:
+    """Return what the arrays of ``atoms`` say that beads carry, in the scene's order; None when they say nothing."""
+    names = [key for key in atoms.arrays if key == TEMPERATURE or key.startswith(CONCENTRATION)]
+    columns = []
+    for name in names:
+        column = np.asarray(atoms.arrays[name])
+        if column.shape != (len(atoms),) or column.dtype.kind not in "fiu":
+            message = f"must hold one number an atom, not {column.dtype} of shape {column.shape}"
+            raise SceneError(message, path="atoms", word=name)
+        columns.append(_sorted(column.astype(np.float64), order))
+    return BeadTable(tuple(names), np.column_stack(columns), rows=order, path="atoms") if names else None
+
+
 def _sorted(values: NDArray[Any], order: IntArray | None) -> NDArray[Any]:
     return values if order is None else values[order]
 
@@ -271,7 +288,8 @@ def atoms_from_state(scene: Scene, state: State | None = None, *, forces: bool =
     All symbols are X, because a bead is no element: the species names are in ``arrays["bead_types"]``. Masses and
     charges are the scene's, velocities and cell the state's. Positions are wrapped into the cell from its corner at 0
     along periodic axes; along other axes they are left alone, and the cell vector there is that of the ``Atoms`` the
-    scene was made from, zero when it was made from files. Beads come in the order of those ``Atoms``.
+    scene was made from, zero when it was made from files. Beads come in the order of those ``Atoms``. What they carry
+    is in the arrays "temperature" (K, reduced with ``units dpd``), "concentration_<name>" and "density" (local).
 
     Args:
         scene: what is simulated.
@@ -293,6 +311,8 @@ def atoms_from_state(scene: Scene, state: State | None = None, *, forces: bool =
         charges=_in_source_order(scene, beads.charge),
     )
     atoms.set_array("bead_types", _in_source_order(scene, names))
+    for name, values in (start_arrays(scene) if state is None else _carried(scene, state)).items():
+        atoms.set_array(name, _in_source_order(scene, values))
     if velocities is not None:
         atoms.set_velocities(_in_source_order(scene, velocities) * VELOCITY)
     if forces:
@@ -303,6 +323,14 @@ def atoms_from_state(scene: Scene, state: State | None = None, *, forces: bool =
         values = point.forces if state is None else state.forces
         atoms.calc = SinglePointCalculator(atoms, forces=_in_source_order(scene, values) * ENERGY, **results)
     return atoms
+
+
+def _carried(scene: Scene, state: State) -> dict[str, FloatArray]:
+    arrays = {TEMPERATURE: state.temperature, DENSITY: state.density}
+    if state.concentrations is not None:
+        columns = state.concentrations.T
+        arrays |= {CONCENTRATION + name: one for name, one in zip(dissolved_species(scene), columns, strict=True)}
+    return {name: values for name, values in arrays.items() if values is not None}
 
 
 def _in_source_order(scene: Scene, values: NDArray[Any]) -> NDArray[Any]:

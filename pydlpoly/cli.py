@@ -1,4 +1,5 @@
-"""The command line: ``pydlpoly run | check | explain | convert | build | bench | tradeoff | analyse``.
+"""The command line: ``pydlpoly run | check | explain | convert | build | bench | tradeoff | analyse | report | plot |
+plan | examples``.
 
 Exit codes: 0 done, 1 the input was refused, 2 wrong usage, 3 the run stopped being physical, 130 interrupted by Ctrl-C
 or SIGTERM (after writing the checkpoint). ``tradeoff`` has two more: 4 its budget was too short to recommend anything,
@@ -12,7 +13,6 @@ import shlex
 import sys
 from collections.abc import Mapping
 from dataclasses import replace
-from importlib import resources
 from pathlib import Path
 from typing import Annotated, NoReturn, cast, get_args
 
@@ -22,11 +22,17 @@ from pydlpoly import __version__
 from pydlpoly.analysis.cli import analyse_command
 from pydlpoly.bench.cli import bench
 from pydlpoly.build.cli import build
-from pydlpoly.conversion import convert_folder
+from pydlpoly.conversion import convert_folder, convert_to_lammps
+from pydlpoly.engines.cli import choose_engine
 from pydlpoly.engines.native import NativeEngine
-from pydlpoly.errors import InputError, PydlpolyError, RunError, suggest
+from pydlpoly.errors import InputError, PydlpolyError, RunError
 from pydlpoly.formats.atomic import replace_file
 from pydlpoly.formats.control import read_control, write_control
+from pydlpoly.gallery import example_folder as example_folder
+from pydlpoly.gallery import example_names as example_names
+from pydlpoly.gallery import examples
+from pydlpoly.report.cli import plot_command, report_command
+from pydlpoly.planning.cli import plan
 from pydlpoly.runner import RunResult, run_scene
 from pydlpoly.scene import Scene, load
 from pydlpoly.scene.model import Precision
@@ -85,19 +91,34 @@ def run(
     resume: Annotated[
         bool, typer.Option("--resume", help="Continue from the checkpoint in the output folder.")
     ] = False,
+    engine: Annotated[str, typer.Option(help="native or lammps (docs/lammps.md).")] = "native",
+    ranks: Annotated[
+        int | None, typer.Option(min=1, help="Processes of the engine lammps; inside an MPI job its ranks are used.")
+    ] = None,
+    gpu: Annotated[str, typer.Option(help="LAMMPS's own accelerator switches, for example '-sf gpu -pk gpu 1'.")] = "",
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress bar and no closing words.")] = False,
     lenient: Lenient = False,
 ) -> None:
     """Run a simulation and write OUTPUT, STATIS, HISTORY, averages, REVCON and the checkpoint, as CONTROL asks."""
     if resume and seed is not None:
         raise typer.BadParameter("a run that continues keeps the seed of its checkpoint", param_hint="--seed")
+    choose_engine(engine, ranks, gpu)
     try:
         scene, folder = _scene(directory, example, control, field, config, lenient=lenient)
         scene = _with_precision(scene, precision)
         target = output if output is not None else folder if example is None else Path()
         checkpoint = _checkpoint(scene, folder, target, resume=resume)
         result = run_scene(
-            scene, target, steps=steps, threads=threads, seed=seed, checkpoint=checkpoint, progress=not quiet
+            scene,
+            target,
+            steps=steps,
+            threads=threads,
+            seed=seed,
+            checkpoint=checkpoint,
+            progress=not quiet,
+            engine=engine,
+            ranks=ranks,
+            accelerator=gpu,
         )
     except KeyboardInterrupt:  # before the first step, or for the second time
         typer.echo("pydlpoly: interrupted at once; files keep what was written before", err=True)
@@ -107,6 +128,8 @@ def run(
     if result.interrupted:
         files = {"--control": control, "--field": field, "--config": config}
         options = {**files, "--steps": steps, "--threads": threads, "--precision": precision}
+        if engine != "native":
+            options |= {"--engine": engine, "--ranks": ranks, "--gpu": gpu or None}
         again = _command_line(directory, {"--example": example, **options, "--output": output}, lenient=lenient)
         _words_of_interrupted(result, again)
         raise typer.Exit(EXIT_INTERRUPTED)
@@ -153,14 +176,17 @@ def explain(
 @app.command()
 def convert(
     source: Annotated[
-        Path, typer.Argument(help="A CONTROL file of either style; with --to dl_poly a folder; or a trajectory.")
+        Path,
+        typer.Argument(
+            help="A CONTROL file of either style; with --to dl_poly and lammps a folder; or a trajectory."
+        ),
     ],
     *,
     to: Annotated[
         str,
         typer.Option(
-            help="new | old: the style of CONTROL to write; dl_poly: CONTROL, FIELD and CONFIG; history | extxyz | gsd "
-            "| h5md | dcd: a trajectory; config: one of its frames."
+            help="new | old: the style of CONTROL to write; dl_poly: CONTROL, FIELD and CONFIG; lammps: a script; history "
+            "| extxyz | gsd | h5md | dcd: a trajectory; config: one of its frames."
         ),
     ] = "new",
     output: Annotated[
@@ -168,7 +194,7 @@ def convert(
         typer.Option(
             "--output",
             "-o",
-            help="File (with dl_poly folder) to write; default: standard output, of trajectories beside SOURCE.",
+            help="File (or folder, with --to's folder) to write; default: standard output, of trajectories beside SOURCE.",
         ),
     ] = None,
     frame: Annotated[
@@ -176,17 +202,17 @@ def convert(
     ] = None,
     lenient: Lenient = False,
 ) -> None:
-    """Rewrite CONTROL in the other style, a folder in DL_MESO's dialect, or a trajectory in another format."""
+    """Rewrite CONTROL in the other style, a folder in DL_MESO's dialect or for LAMMPS, or a trajectory."""
     if to in TARGETS:
         typer.echo(f"written: {convert_trajectory(source, to, output, frame=frame)}")
         return
     if frame is not None:
         raise typer.BadParameter("belongs to trajectories", param_hint="--frame")
-    if to == "dl_poly":
-        _convert_folder(source, output, lenient=lenient)
+    if to in ("dl_poly", "lammps"):
+        _convert_folder(source, output, to, lenient=lenient)
         return
     if to not in ("new", "old"):
-        expected = ", ".join(("new", "old", "dl_poly", *TARGETS))
+        expected = ", ".join(("new", "old", "dl_poly", "lammps", *TARGETS))
         raise typer.BadParameter(f"'{to}' is nothing to write; expected one of {expected}", param_hint="--to")
     record = read_control(source, lenient=lenient)
     if record.meso is not None:
@@ -206,12 +232,13 @@ def convert(
             raise InputError(str(error)) from error
 
 
-def _convert_folder(source: Path, output: Path | None, *, lenient: bool) -> None:
+def _convert_folder(source: Path, output: Path | None, to: str, *, lenient: bool) -> None:
     if output is None:
-        raise typer.BadParameter("--to dl_poly writes three files; name a folder for them", param_hint="--output")
+        raise typer.BadParameter(f"--to {to} writes several files; name a folder for them", param_hint="--output")
     if not source.is_dir():
-        raise InputError("--to dl_poly takes the folder of a run", path=str(source))
-    for warning in convert_folder(source, output, lenient=lenient):
+        raise InputError(f"--to {to} takes the folder of a run", path=str(source))
+    write = convert_folder if to == "dl_poly" else convert_to_lammps
+    for warning in write(source, output, lenient=lenient):
         typer.echo(f"warning: {warning}", err=True)
 
 
@@ -266,22 +293,12 @@ def tradeoff(
 
 
 app.command()(build)
+app.command()(plan)
 app.command()(bench)
 app.command("analyse")(analyse_command)
-
-
-def example_names() -> list[str]:
-    """Return the names of the shipped examples."""
-    folder = resources.files("pydlpoly") / "examples"
-    return sorted(entry.name for entry in folder.iterdir() if (entry / "CONTROL").is_file())
-
-
-def example_folder(name: str) -> Path:
-    """Return the folder of a shipped example. Raises InputError for an unknown name, with the names there are."""
-    if name not in example_names():
-        known = ", ".join(example_names())
-        raise InputError(f"there is no such example; there are {known}{suggest(name, example_names())}", word=name)
-    return Path(str(resources.files("pydlpoly") / "examples" / name))
+app.command("report")(report_command)
+app.command("plot")(plot_command)
+app.command()(examples)
 
 
 def _scene(

@@ -1,23 +1,27 @@
-"""Writes the files of a run anew in DL_POLY's newest form, also from files in DL_MESO's dialect."""
+"""Writes the files of a run anew: in DL_POLY's newest form, also from files in DL_MESO's dialect, or for LAMMPS."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
 
+from pydlpoly.engines.lammps_translate import noise_seed, translate
+from pydlpoly.engines.native import NativeEngine, long_range_tail
 from pydlpoly.errors import InputError, RunError
-from pydlpoly.formats.atomic import replace_file
+from pydlpoly.formats.atomic import atomic_file, replace_file
+from pydlpoly.formats.beads_file import write_beads
 from pydlpoly.formats.config import write_config
 from pydlpoly.formats.control import write_control
 from pydlpoly.formats.field import write_field
-from pydlpoly.scene.load import read_records
+from pydlpoly.scene.load import load, read_records
 
-_FILE_NAMES = ("io_file_config", "io_file_field", "io_file_control")
+_FILE_NAMES = ("io_file_config", "io_file_field", "io_file_control", "io_file_beads")
+_DATA_FILE = "beads.data"
 _DIGITS = 17  # these read back to the last bit
 
 
 def convert_folder(source: Path, target: Path, *, lenient: bool = False) -> tuple[str, ...]:
-    """Write CONTROL (new style), FIELD and CONFIG of the run in ``source`` into ``target``, which is made if need be.
+    """Write CONTROL (new style), FIELD, CONFIG, and BEADS where it is used, of the run in ``source`` into ``target``.
 
     The files load as the same scene: the same forces, and with the same seed the same trajectory, to the last bit.
 
@@ -43,8 +47,45 @@ def convert_folder(source: Path, target: Path, *, lenient: bool = False) -> tupl
         target.mkdir(parents=True, exist_ok=True)
         for name, text in texts.items():
             replace_file(target / name, text)
+        if read.bead_table is not None:
+            table = read.bead_table
+            write_beads(target / "BEADS", table.title, table.names, list(table.values.T))
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror or error}", path=str(target)) from error
     except RunError as error:
         raise InputError(str(error)) from error
     return (*read.control.warnings, *read.field.warnings, *read.config.warnings)
+
+
+def convert_to_lammps(source: Path, target: Path, *, lenient: bool = False) -> tuple[str, ...]:
+    """Write ``in.lammps`` and ``beads.data`` of the run in ``source`` into ``target``, which is made if need be.
+
+    Velocities that the run would draw are in the data file.
+
+    Returns:
+        What a user of LAMMPS should know beside the script.
+
+    Raises:
+        InputError: the source cannot be read or resolved, or the target cannot be written.
+        SceneError: the scene cannot be translated; the text names file and line.
+    """
+    scene = load(source, lenient=lenient)
+    seed = scene.run.seed if scene.run.seed is not None else 1
+    translation = translate(scene, noise_seed(seed, 0))
+    start = NativeEngine(scene, seed=seed, threads=1)
+    start.prepare(scene)
+    energy, virial = (x / float(start.system.volume) for x in long_range_tail(scene))
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+        with atomic_file(target / _DATA_FILE) as file:
+            pieces = translation.data.pieces(start.system.positions, start.system.velocities)
+            file.writelines(piece.encode("utf-8") for piece in pieces)
+        replace_file(target / "in.lammps", "\n".join([*translation.script(scene, _DATA_FILE, scene.run.steps), ""]))
+    except OSError as error:
+        raise InputError(f"cannot be written: {error.strerror or error}", path=str(target)) from error
+    except RunError as error:
+        raise InputError(str(error)) from error
+    warnings = [note.text for note in scene.notes if note.kind == "warning"]
+    if energy or virial:
+        warnings.append(f"long-range corrections are not in LAMMPS's numbers: energy {energy:.9g}, virial {virial:.9g}")
+    return tuple(warnings)

@@ -21,6 +21,7 @@ from pydlpoly.background import BackgroundWriter
 from pydlpoly.correlations import StressCorrelations
 from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import atomic_file
+from pydlpoly.formats.beads_file import write_beads
 from pydlpoly.formats.config_writer import write_config_to
 from pydlpoly.formats.diagnostics import DiagnosticsWriter
 from pydlpoly.formats.history import HistoryWriter
@@ -28,6 +29,7 @@ from pydlpoly.formats.output import OutputWriter, RollingAverages, RunningAverag
 from pydlpoly.formats.rdfdat import normalise_rdf, write_rdf
 from pydlpoly.formats.records import Configuration, FloatArray
 from pydlpoly.formats.statis import STATISTICS_NAMES, StatisticsRecord, StatisticsWriter
+from pydlpoly.scene.beads_state import carried_names
 from pydlpoly.scene.model import Scene
 from pydlpoly.simulation import Observation, Simulation
 from pydlpoly.stress_profile import StressProfile
@@ -188,6 +190,7 @@ class DiagnosticsReporter:
         self._writer = DiagnosticsWriter(
             path,
             None if units.reduced else words,
+            heat=simulation.scene.heat is not None,
             append=append,
             keep_until=simulation.step if append else None,
         )
@@ -212,6 +215,13 @@ class DiagnosticsReporter:
             **{f"pressure_{name}": float(np.trace(seen.stress_parts[name])) / 3.0 for name in _TENSORS},
             **{f"momentum_{axis}": float(value) for axis, value in zip("xyz", seen.momentum, strict=True)},
         }
+        if scene.heat is not None:
+            per_bead = scene.units.factor * scene.bead_count
+            record |= {
+                "internal_temperature": simulation.internal_temperature,
+                "internal_energy": seen.energy["internal"] / per_bead,
+                "conserved_energy": seen.energy["conserved"] / per_bead,
+            }
         self._writer.write(seen.step, record)
 
     def sync(self) -> None:
@@ -325,8 +335,8 @@ class OutputReporter:
             )
             if append:
                 self._writer.resume(simulation.step, __version__)
-            self._writer.text(scene.explain())
-            self._writer.text(f"seed {simulation.seed}, {simulation.threads} threads (results do not depend on these)")
+            self._writer.text(simulation.explain())
+            self._writer.text(_seed_and_workers(simulation))
         if not append:
             self._sample(simulation)
             if self._print_every > 0:
@@ -400,6 +410,7 @@ class OutputReporter:
                 if isinstance(reporter, (StressProfile, StressCorrelations))
                 for estimate in reporter.estimates()
             ],
+            species_balance=simulation.species_balance(),
         )
         if self._writer is not None:
             self._writer.summary(summary)
@@ -451,7 +462,28 @@ class OutputReporter:
         if self._writer is not None:
             values = statistics_record(simulation).values()
             elapsed = clock.perf_counter() - self._begin
-            self._writer.block(simulation.step, simulation.time, elapsed, values, self._rolling.mean())
+            self._writer.block(
+                simulation.step, simulation.time, elapsed, values, self._rolling.mean(), _heat(simulation)
+            )
+
+
+def _heat(simulation: Simulation) -> list[tuple[str, float]]:
+    """Words and numbers of OUTPUT about the heat that beads carry; none where they carry none."""
+    scene = simulation.scene
+    if scene.heat is None:
+        return []
+    energy, unit = simulation.energy, scene.units.temperature_label
+    return [
+        (f"internal temperature{unit and f' [{unit}]'}", simulation.internal_temperature),
+        ("internal energy", energy["internal"] / scene.units.factor),
+        ("conserved energy", energy["conserved"] / scene.units.factor),
+    ]
+
+
+def _seed_and_workers(simulation: Simulation) -> str:
+    if simulation.engine == "lammps":
+        return f"seed {simulation.seed} (LAMMPS's noise follows from it and from the number of ranks)"
+    return f"seed {simulation.seed}, {simulation.threads} threads (results do not depend on these)"
 
 
 def _diffusion(simulation: Simulation) -> dict[str, tuple[float, float]]:
@@ -467,13 +499,15 @@ def _diffusion(simulation: Simulation) -> dict[str, tuple[float, float]]:
 
 
 class CheckpointReporter:
-    """Writes REVCON and the checkpoint, each replaced as a whole, and has the other files reach the disk first."""
+    """Writes REVCON, REVBEADS and the checkpoint, each replaced as a whole; other files reach the disk first."""
 
     def __init__(self, simulation: Simulation, folder: Path, others: Sequence[object] = ()) -> None:
         output = simulation.scene.output
         self._every = output.checkpoint_every
         self._configuration = folder / output.configuration_file if output.configuration_file else None
         self._checkpoint = folder / output.checkpoint_file if output.checkpoint_file else None
+        self._carried = carried_names(simulation.scene)
+        self._beads = folder / output.beads_file if output.beads_file and self._carried else None
         self._rdf = folder / output.rdf_file if output.rdf_file and output.rdf_every > 0 else None
         self._others = others
         self.written_step: int | None = None
@@ -491,6 +525,9 @@ class CheckpointReporter:
         if self._configuration is not None:
             with atomic_file(self._configuration) as file:
                 write_config_to(file, configuration_of(simulation))
+        if self._beads is not None:
+            arrays = simulation.bead_arrays()
+            write_beads(self._beads, simulation.scene.title, self._carried, [arrays[name] for name in self._carried])
         if self._checkpoint is not None:
             simulation.save(self._checkpoint)
         if self._rdf is not None:

@@ -11,12 +11,15 @@ import os
 import signal
 import sys
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
+from pydlpoly.bin_reporter import bin_reporters
+from pydlpoly.callbacks import CallbackFunction
+from pydlpoly.correlations import StressCorrelations
 from pydlpoly.errors import InputError, RunError
 from pydlpoly.formats.output import RunSummary
 from pydlpoly.interrupts import deferred_signals
@@ -29,13 +32,28 @@ from pydlpoly.reporters import (
     stress_reporters,
 )
 from pydlpoly.sampling import DensityReporter, DisplacementReporter, VelocityReporter
+from pydlpoly.scene.beads_state import carried_names
 from pydlpoly.scene.model import Scene
 from pydlpoly.simulation import Reporter, Simulation
+from pydlpoly.stress_profile import StressProfile
 from pydlpoly.trajectories import FORMATS
 from pydlpoly.trajectories.reporter import FormatsReporter
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)  # batch systems announce the end of a job with the second
 _SCREEN = "SCREEN"
+_PARTS = {  # of the loop over steps, in the words of OUTPUT
+    "engine": "of which motion and forces",
+    OutputReporter.__name__: "of which OUTPUT, averages",
+    StatisticsReporter.__name__: "of which STATIS",
+    DiagnosticsReporter.__name__: "of which DIAGNOSTICS",
+    TrajectoryReporter.__name__: "of which HISTORY",
+    DensityReporter.__name__: "of which ZDNDAT",
+    VelocityReporter.__name__: "of which VAFDAT",
+    DisplacementReporter.__name__: "of which MSDTMP",
+    StressProfile.__name__: "of which STRPRF",
+    StressCorrelations.__name__: "of which COR",
+    CheckpointReporter.__name__: "of which checkpoints",
+}
 
 
 class _File(Reporter, Protocol):
@@ -73,6 +91,10 @@ def run_scene(
     seed: int | None = None,
     checkpoint: str | Path | None = None,
     progress: bool = False,
+    callbacks: Sequence[tuple[CallbackFunction, int]] = (),
+    engine: str = "native",
+    ranks: int | None = None,
+    accelerator: str = "",
 ) -> RunResult:
     """Run a scene to its last step, writing the files its CONTROL asks for.
 
@@ -84,6 +106,8 @@ def run_scene(
         checkpoint: continue from this file instead of starting anew. STATIS, DIAGNOSTICS and trajectories are appended
             to; records of steps after the checkpoint's are dropped first, since they are computed anew.
         progress: show a progress bar on a terminal.
+        callbacks: functions and their intervals in steps, as for ``Simulation.add_callback``.
+        engine, ranks, accelerator: as for ``Simulation``.
 
     Raises:
         InputError: the checkpoint cannot be continued, or the files cannot be written; nothing has been touched.
@@ -91,7 +115,10 @@ def run_scene(
     """
     last = scene.run.steps if steps is None else steps
     begin = clock.perf_counter()
-    simulation = _simulation(scene, last, threads, seed, checkpoint)
+    engine_options = {"engine": engine, "ranks": ranks, "accelerator": accelerator}
+    simulation = _simulation(scene, last, threads, seed, checkpoint, engine_options)
+    for function, every in callbacks:
+        simulation.add_callback(function, every)
     target = Path(folder)
     with deferred_signals(simulation.interrupt, _SIGNALS):
         _prepare_folder(target, scene, keep=checkpoint is None)
@@ -105,16 +132,21 @@ def run_scene(
 
 
 def _simulation(
-    scene: Scene, last: int, threads: int | None, seed: int | None, checkpoint: str | Path | None
+    scene: Scene,
+    last: int,
+    threads: int | None,
+    seed: int | None,
+    checkpoint: str | Path | None,
+    engine: dict[str, Any],
 ) -> Simulation:
     if checkpoint is None:
         if scene.run.start == "continue":
             raise InputError("CONTROL asks to continue a run (restart continue): say which checkpoint to continue from")
-        simulation = Simulation(scene, threads=threads, seed=seed)
+        simulation = Simulation(scene, threads=threads, seed=seed, **engine)
     else:
         if seed is not None:
             raise InputError("a run that continues keeps the seed of its checkpoint; leave the seed out")
-        simulation = Simulation.resume(checkpoint, scene=scene, threads=threads)
+        simulation = Simulation.resume(checkpoint, scene=scene, threads=threads, **engine)
         if simulation.step >= last:
             raise InputError(
                 f"is at step {simulation.step} already; to go on, ask for more than that in all (time_run or --steps), "
@@ -139,7 +171,7 @@ def _run(
         pass  # how far the run got says whether it is done
     except RunError as error:
         failure = error
-    timings = {"set-up": set_up, "steps": clock.perf_counter() - loop}
+    timings = {"set-up": set_up, "steps": clock.perf_counter() - loop, **_parts_of_loop(simulation)}
     warnings = [note.text for note in simulation.scene.notes if note.kind == "warning"]
     if failure is not None:
         failure = RunError(f"{failure}; {_last_whole_state(keeper)}")
@@ -150,8 +182,15 @@ def _run(
     if interrupted:
         warnings.append(f"the run was interrupted at step {simulation.step} of {last}")
     if keeper.written_step != simulation.step:
+        begin = clock.perf_counter()
         keeper.report(simulation)
+        timings["last checkpoint"] = clock.perf_counter() - begin
     return log.finish(simulation, warnings, timings), interrupted
+
+
+def _parts_of_loop(simulation: Simulation) -> dict[str, float]:
+    """Return seconds of the loop by part; what several reporters look at counts for the first of them."""
+    return {_PARTS.get(name, f"of which {name}"): seconds for name, seconds in simulation.seconds.items()}
 
 
 def _last_whole_state(keeper: CheckpointReporter) -> str:
@@ -179,7 +218,10 @@ def _file_names(scene: Scene) -> list[str]:
         "ZDNDAT" if output.zden_every > 0 else None,
         output.msd_file if output.msd_every > 0 else None,
         *(path.name for path in VelocityReporter.paths(scene, Path()) if output.vaf_every > 0),
+        output.bead_profile.file if output.bead_profile.every > 0 else None,
+        output.bead_map.file if output.bead_map.every > 0 else None,
         output.configuration_file,
+        output.beads_file if carried_names(scene) else None,
         output.checkpoint_file,
     ]
     return [name for name in names if name is not None]
@@ -193,7 +235,8 @@ def _format_files(scene: Scene) -> tuple[str, ...]:
 def _prepare_folder(folder: Path, scene: Scene, *, keep: bool) -> None:
     """Make sure that all files can be written, then move those of an earlier run aside when ``keep`` says so."""
     paths = [folder / name for name in _file_names(scene)]
-    _refuse_clashes(paths, scene, folder / (scene.output.configuration_file or "") if not keep else None)
+    last = (scene.output.configuration_file, scene.output.beads_file)
+    _refuse_clashes(paths, scene, [] if keep else [folder / name for name in last if name])
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for path in paths:
@@ -209,13 +252,13 @@ def _prepare_folder(folder: Path, scene: Scene, *, keep: bool) -> None:
         raise InputError(f"the output folder cannot be used: {error.strerror or error}", path=str(folder)) from error
 
 
-def _refuse_clashes(paths: list[Path], scene: Scene, allowed: Path | None) -> None:
+def _refuse_clashes(paths: list[Path], scene: Scene, allowed: list[Path]) -> None:
     """Refuse names that would have one file overwrite another, or the input; ``allowed`` may have been read before."""
     sources = {os.path.realpath(source) for source in scene.sources}
     seen: set[str] = set()
     for path in paths:
         real = os.path.realpath(path)
-        if real in sources and path != allowed:
+        if real in sources and path not in allowed:
             raise InputError("is an input file of this run; give the output another name or folder", path=str(path))
         if real in seen:
             raise InputError("two output files of this run have this name", path=str(path))
@@ -230,6 +273,7 @@ def _samplers(simulation: Simulation, folder: Path, *, append: bool) -> Iterator
         yield VelocityReporter(simulation, folder, append=append)
     if output.msd_every > 0:
         yield DisplacementReporter(simulation, folder / output.msd_file, append=append)
+    yield from bin_reporters(simulation, folder)
 
 
 @contextmanager

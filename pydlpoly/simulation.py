@@ -7,21 +7,37 @@ reporters of its step: whatever is saved then can be continued without a record 
 
 from __future__ import annotations
 
+import math
 import secrets
 import time as clock
+import warnings
+from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
+from operator import methodcaller
 from pathlib import Path
 from typing import Any, Protocol, get_args, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pydlpoly.callbacks import Callback, CallbackFunction
 from pydlpoly.engines.native import NativeEngine, Totals, default_threads
-from pydlpoly.errors import InputError, RunError, SceneError
+from pydlpoly.engines.protocol import ENGINES, Engine, EngineOptions
+from pydlpoly.errors import InputError, InputWarning, RunError, SceneError
 from pydlpoly.formats.checkpoint import read_checkpoint, write_checkpoint
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.formats.species_balance import SpeciesBalance
 from pydlpoly.interrupts import deferred_signals
+from pydlpoly.scene.beads_state import (
+    CONCENTRATION,
+    DENSITY,
+    TEMPERATURE,
+    carried_arrays,
+    dissolved_species,
+    has_local_density,
+    why_not,
+)
 from pydlpoly.scene.continuation import check_continues
 from pydlpoly.scene.model import BondedKind, Precision, Scene
 from pydlpoly.scene.serialise import scene_from_arrays, scene_to_arrays
@@ -42,6 +58,9 @@ class State:
         forces: (N, 3) total force including drag and noise, Da Å/ps².
         images: (N, 3) cells crossed since the start; unwrapped = positions + images @ cell.
         step: number of steps taken since the scene's start; time: ps.
+        temperature: (N,) internal temperatures, K (reduced with ``units dpd``); None where beads carry no heat.
+        concentrations: (N, species) of dissolved species; None where there are none.
+        density: (N,) local densities at the last evaluation of the forces; None where no pair law depends on them.
     """
 
     positions: FloatArray
@@ -51,6 +70,9 @@ class State:
     cell: FloatArray
     step: int
     time: float
+    temperature: FloatArray | None = None
+    concentrations: FloatArray | None = None
+    density: FloatArray | None = None
 
     @property
     def unwrapped(self) -> FloatArray:
@@ -69,7 +91,8 @@ class Observation:
         energy: by component: "pair", "bond", "angle", "dihedral", "inversion", "tether", "charge", "field" (of external
             fields and walls), "potential" (all of these), "kinetic", "total" (potential and kinetic) and "thermostat"
             (what hoover's variable holds; its sum with total is conserved. With npt and nst what the piston holds, and
-            P V of the target).
+            P V of the target). Where beads carry heat also "internal" (Σ C_v T) and "conserved": total and internal
+            energy less what sources and beads of held temperature gave (see docs/heat.md).
         stress: (3, 3) pressure tensor in the pressure unit, all parts.
         stress_parts: the same by part: "kinetic", "conservative" (pairs), "drag", "noise", "bonded", "charge", and
             "constraint" where distances are fixed.
@@ -147,9 +170,17 @@ class Simulation:
         seed: seed of noise and start velocities, 0 … 2^64 − 1 (default: the scene's, else drawn anew; see ``seed``).
         cell_width: link cells of at least this width (Å) instead of one cutoff. Results do not depend on it.
         precision: "double", "mixed" or "reference" in place of the scene's.
+        engine: "native" or "lammps", see docs/lammps.md.
+        ranks: number of processes of the engine lammps (default: those of the MPI job around this process, else 1).
+        accelerator: LAMMPS's own switches for accelerators, such as ``-sf gpu -pk gpu 1``.
+
+    Attributes:
+        seconds: wall-clock seconds that ``run`` has spent so far: "engine" for the steps themselves, and those of each
+            reporter under the name of its class.
 
     Raises:
-        SceneError: the scene cannot be run.
+        SceneError: the scene cannot be run, or not by this engine.
+        InputError: what the engine needs is missing.
     """
 
     def __init__(
@@ -160,6 +191,9 @@ class Simulation:
         seed: int | None = None,
         cell_width: float = 0.0,
         precision: Precision | None = None,
+        engine: str = "native",
+        ranks: int | None = None,
+        accelerator: str = "",
     ) -> None:
         if precision is not None:
             if precision not in get_args(Precision):
@@ -174,16 +208,23 @@ class Simulation:
         if self.threads < 1:
             raise SceneError(f"the number of threads must be at least 1, not {threads}")
         self.reporters: list[Reporter] = []
-        self._engine = NativeEngine(scene, seed=self.seed, threads=self.threads, cell_width=cell_width)
+        self.engine = engine
+        self._engine = _engine(
+            engine, scene, self.seed, self.threads, cell_width, EngineOptions(ranks=ranks, accelerator=accelerator)
+        )
         self._observation: Observation | None = None
         self._stored_totals: Totals | None = None  # of a checkpoint, until the first step
         self._engine.start(scene)
         self.start_cell: FloatArray = self.cell
         self.start_positions: FloatArray = np.asarray(self._engine.system.positions)
+        self._start_amounts = self._amounts()
         self._configurational: tuple[int, tuple[float, float]] | None = None  # with its step
         self._rate = 0.0
+        self.seconds: defaultdict[str, float] = defaultdict(float)
         self._interrupted = False
         self._reporter_state: dict[str, NDArray[Any]] = {}
+        self._callbacks: list[Callback] = []
+        self._missed_callbacks: set[tuple[str, int]] = set()  # of the checkpoint, until they are added
         output = scene.output
         if output.rdf_every > 0:
             after = 0 if scene.run.record_equilibration else scene.run.equilibration_steps
@@ -209,6 +250,7 @@ class Simulation:
         if steps < 0:
             raise RunError(f"the number of steps must not be negative, not {steps}")
         last = self.step + steps
+        self._warn_of_missed_callbacks()
         try:
             with deferred_signals(self.interrupt):
                 if progress:
@@ -233,16 +275,65 @@ class Simulation:
     def _run_to(self, last: int, show: Callable[[], None] | None) -> None:
         due = [(reporter, self._next_step(reporter)) for reporter in self.reporters]
         while self.step < last:
-            stop = min([last, *(step for _, step in due if step is not None)])
+            calls = [callback.next_step(self.step) for callback in self._callbacks]
+            stop = min([last, *calls, *(step for _, step in due if step is not None)])
             self._advance(min(stop - self.step, self._chunk()))
+            self._call_back()
             for k, (reporter, step) in enumerate(due):
                 if step == self.step:
+                    begin = clock.perf_counter()
                     reporter.report(self)
+                    self.seconds[type(reporter).__name__] += clock.perf_counter() - begin
                     due[k] = reporter, self._next_step(reporter)
             if show is not None:
                 show()
             if self._interrupted:
                 return
+
+    def add_callback(self, function: CallbackFunction, every: int = 1) -> None:
+        """Have a function called every so many steps, to change what beads carry: a source or a reaction.
+
+        It is called after each step whose number is a multiple of ``every``, before the reporters of that step, and in
+        the order in which callbacks were added. A checkpoint does not hold functions: add them again after ``resume``.
+
+        Args:
+            function: takes a ``pydlpoly.callbacks.Moment`` (positions, velocities, species, temperature, density,
+                concentrations, step, time, …) and returns None, or new values by name: "temperature", (N,),
+                "concentration_<name>", (N,), or "concentrations", (N, species). ``pydlpoly.callbacks.Source`` makes
+                such a function of one that returns rates.
+            every: interval in steps, counted from the scene's start.
+
+        Raises:
+            ValueError: the interval is not a positive whole number. The run raises RunError, with the function's name,
+                when it fails or returns arrays of another shape or with impossible numbers.
+        """
+        callback = Callback(function, every)
+        self._callbacks.append(callback)
+        self._missed_callbacks.discard((callback.name, callback.every))
+
+    def _call_back(self) -> None:
+        for callback in self._callbacks:
+            if self.step % callback.every == 0:
+                self._take_over(callback.values(self))
+
+    def _take_over(self, given: dict[str, FloatArray]) -> None:
+        """Replace what beads carry by new values, by name, without a new evaluation of the forces."""
+        if not given:
+            return
+        temperatures = given[TEMPERATURE] * self.scene.units.boltzmann if TEMPERATURE in given else None
+        concentrations = np.asarray(self._engine.system.concentrations)
+        for k, name in enumerate(dissolved_species(self.scene)):
+            if CONCENTRATION + name in given:
+                concentrations[:, k] = given[CONCENTRATION + name]
+        self._engine.exchange(temperatures, concentrations)
+        self._observation = None
+
+    def _warn_of_missed_callbacks(self) -> None:
+        if self._missed_callbacks:
+            told = ", ".join(f"{name} every {every} steps" for name, every in sorted(self._missed_callbacks))
+            text = f"the checkpoint is of a run with callbacks that were not added again: {told}"
+            warnings.warn(InputWarning(text), stacklevel=3)
+            self._missed_callbacks = set()
 
     def _next_step(self, reporter: Reporter) -> int | None:
         step = reporter.next_step(self.step)
@@ -261,11 +352,18 @@ class Simulation:
         begin = clock.perf_counter()
         self._engine.run(steps)
         elapsed = max(clock.perf_counter() - begin, 1e-9)
+        self.seconds["engine"] += elapsed
         # A chunk that a report cut short, or that the machine held up, says little about the next one.
         weight = 1.0 if self._rate == 0.0 else elapsed / (elapsed + _SECONDS_PER_CHUNK)
         self._rate += weight * (steps / elapsed - self._rate)
 
     # Looking
+
+    def explain(self) -> str:
+        """Return the scene in words and tables, with the plan of this simulation's engine."""
+        from pydlpoly.scene.explain import explain  # as in Scene.explain
+
+        return explain(self.scene, plan=self._engine.plan(), notes=self._engine.notes())
 
     @property
     def step(self) -> int:
@@ -289,8 +387,8 @@ class Simulation:
 
     @property
     def state(self) -> State:
-        """A copy of positions, velocities, forces, step and time."""
-        system = self._engine.system
+        """A copy of positions, velocities, forces, step and time, and of what beads carry."""
+        system, carried = self._engine.system, self.bead_arrays()
         return State(
             positions=np.asarray(system.positions),
             velocities=np.asarray(system.velocities),
@@ -299,7 +397,24 @@ class Simulation:
             cell=self.cell,
             step=self.step,
             time=self.time,
+            temperature=carried.get(TEMPERATURE),
+            concentrations=None if self.scene.beads.concentrations is None else np.array(system.concentrations),
+            density=carried.get(DENSITY),
         )
+
+    def bead_arrays(self) -> dict[str, FloatArray]:
+        """Return copies of what beads carry, (N,) each, by name; empty in scenes whose beads carry nothing.
+
+        "temperature": internal, K (reduced with ``units dpd``). "concentration_<name>": of each dissolved species.
+        "density": local, at the last evaluation of the forces, where pair laws depend on it.
+        """
+        system, beads = self._engine.system, self.scene.beads
+        temperatures = None if beads.temperature is None else np.asarray(system.bead_temperatures, dtype=np.float64)
+        concentrations = None if beads.concentrations is None else np.asarray(system.concentrations)
+        arrays = carried_arrays(self.scene, temperatures, concentrations)
+        if has_local_density(self.scene):
+            arrays[DENSITY] = np.array(methodcaller("local_densities")(system), dtype=np.float64)
+        return arrays
 
     @property
     def positions(self) -> FloatArray:
@@ -322,20 +437,34 @@ class Simulation:
             start = start @ np.linalg.inv(self.start_cell) @ cell
         return np.asarray(system.positions + system.images @ cell - start)
 
-    def set_state(self, *, positions: FloatArray | None = None, velocities: FloatArray | None = None) -> None:
-        """Replace positions and/or velocities, (N, 3) each, and recompute the forces.
+    def set_state(
+        self,
+        *,
+        positions: FloatArray | None = None,
+        velocities: FloatArray | None = None,
+        temperature: FloatArray | None = None,
+        concentrations: FloatArray | None = None,
+    ) -> None:
+        """Replace positions, velocities or what beads carry, and recompute the forces.
 
         Positions outside the cell are wrapped into it, and the crossed cells are counted in ``State.images``. Beads are
         moved to the lengths of constraints.
 
+        Args:
+            positions: (N, 3), Å; velocities: (N, 3), Å/ps.
+            temperature: (N,) internal temperatures, K (reduced with ``units dpd``), where beads carry heat.
+            concentrations: (N, species) of the dissolved species, where there are any.
+
         Raises:
-            ValueError: an array has another shape, is not finite or is too far away; the state is the one before.
+            ValueError: an array has another shape, is not finite, impossible or too far away, or the beads do not carry
+                this; the state is the one before.
         """
         system = self._engine.system
         shape = (self.scene.bead_count, 3)
         for name, array in (("positions", positions), ("velocities", velocities)):
             if array is not None and (np.shape(array) != shape or not np.isfinite(array).all()):
                 raise ValueError(f"{name} must be finite and of shape {shape}")
+        energies = self._checked_carried(temperature, concentrations)
         if positions is not None:
             cells = np.abs(np.asarray(positions) @ np.linalg.inv(self.scene.cell)).max(axis=1)
             if cells.size and not cells.max() < _MOST_CELLS:
@@ -347,10 +476,34 @@ class Simulation:
             system.wrap()
         if velocities is not None:
             system.velocities = np.where(self.scene.beads.frozen[:, None], 0.0, velocities)
+        if energies is not None:
+            system.bead_temperatures = energies.tolist()
+        if concentrations is not None:
+            system.concentrations = np.asarray(concentrations, dtype=np.float64)
         self._observation = self._stored_totals = self._configurational = None
         if self.scene.constraints is not None:
             self._engine.meet_constraints()
         self._engine.initialise()
+
+    def _checked_carried(self, temperature: FloatArray | None, concentrations: FloatArray | None) -> FloatArray | None:
+        """Check what beads are to carry, and return the temperatures as k_B T; ValueError as ``set_state``."""
+        beads = self.scene.beads
+        for what, array, carried in (
+            ("temperature", temperature, beads.temperature),
+            ("concentrations", concentrations, beads.concentrations),
+        ):
+            if array is None:
+                continue
+            if carried is None:
+                raise ValueError(f"beads of this scene carry no {what}")
+            if np.shape(array) != carried.shape:
+                raise ValueError(f"{what} must be of shape {carried.shape}, not {np.shape(array)}")
+            columns = np.asarray(array, dtype=np.float64).reshape(len(beads), -1)
+            for column in columns.T:
+                wrong = why_not(what, column)
+                if wrong is not None:
+                    raise ValueError(f"{what} of bead {wrong[0] + 1} is {column[wrong[0]]:g}; {wrong[1]}")
+        return None if temperature is None else np.asarray(temperature) * self.scene.units.boltzmann
 
     def observe(self) -> Observation:
         """Return energies, temperature, pressure and stress of the present step."""
@@ -399,6 +552,17 @@ class Simulation:
         return self._configurational[1]
 
     @property
+    def internal_temperature(self) -> float:
+        """Mean internal temperature of the beads, K (reduced with ``units dpd``); not a number where they carry none.
+
+        Weighted by heat capacity: the temperature that the beads would have in common with the heat they carry.
+        """
+        capacity = self.scene.beads.heat_capacity
+        if capacity is None:
+            return float("nan")
+        return self.observe().energy["internal"] / (float(capacity.sum()) * self.scene.units.boltzmann)
+
+    @property
     def pressure(self) -> float:
         """Pressure of all parts together, katm (reduced with ``units dpd``)."""
         return self.observe().pressure
@@ -407,6 +571,17 @@ class Simulation:
     def energy(self) -> dict[str, float]:
         """Energy by component in internal units, as in ``Observation``."""
         return self.observe().energy
+
+    def local_densities(self) -> FloatArray:
+        """Return the local density of every bead in many-body DPD, (N,), at the last evaluation of forces.
+
+        In Å⁻³ in the two-density form of ``mdpd``, without a unit (times r_c³) in the generalised one. A bead is not
+        its own neighbour: a lone bead has 0. Warren, Phys. Rev. E 68, 066702 (2003).
+
+        Raises:
+            ValueError: no pair of the scene has the law mdpd.
+        """
+        return self._engine.local_densities()
 
     @property
     def rdf_bins(self) -> int:
@@ -426,6 +601,30 @@ class Simulation:
         if samples == 0 or np.array_equal(self.cell, self.start_cell):
             return float(system.volume)
         return float(system.distance_volumes) / samples
+
+    def _amounts(self) -> FloatArray:
+        """Return how much of each dissolved species all beads have, (species,)."""
+        columns = np.asarray(self._engine.system.concentrations).T
+        return np.array([math.fsum(column.tolist()) for column in columns])
+
+    def species_balance(self) -> tuple[SpeciesBalance, ...]:
+        """Return what became of the amount of each dissolved species since the scene's start; empty without any."""
+        if self.scene.transport is None or self._engine.transport is None:
+            return ()
+        tally = np.asarray(self._engine.transport.tally)
+        gains = (tally[:3] + tally[3:]).T
+        rows = zip(self.scene.transport.species, self._start_amounts, gains, self._amounts(), strict=True)
+        return tuple(
+            SpeciesBalance(
+                name,
+                start=float(start),
+                sources=float(given[0]),
+                reactions=float(given[1]),
+                held=float(given[2]),
+                now=float(now),
+            )
+            for name, start, given, now in rows
+        )
 
     def layer_sums(self, axis: int, layers: int) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.int64]]:
         """Return Σ m v_a v_b, and Σ F_a r_b of pair laws and of bonded terms, in layers of the cell at this step.
@@ -462,8 +661,13 @@ class Simulation:
         }
         if self.scene.beads.temperature is not None:
             arrays["bead_temperatures"] = np.asarray(system.bead_temperatures)
+        if self.scene.heat is not None:
+            arrays["heat_account"] = np.asarray(self._engine.heat_account)
         if self.scene.beads.concentrations is not None:
             arrays["concentrations"] = np.asarray(system.concentrations)
+        if self._engine.transport is not None:
+            arrays["start_amounts"] = self._start_amounts
+            arrays["transport_tally"] = np.asarray(self._engine.transport.tally)
         if self.scene.output.rdf_every > 0:
             arrays["distance_counts"] = np.asarray(system.distance_counts())
         for reporter in self.reporters:
@@ -476,11 +680,21 @@ class Simulation:
             "time": self.time,
             "distance_samples": int(system.distance_samples),
             "distance_volumes": float(system.distance_volumes),
+            "callbacks": [[callback.name, callback.every] for callback in self._callbacks],
         }
         write_checkpoint(path, arrays, meta)
 
     @classmethod
-    def resume(cls, path: str | Path, *, scene: Scene | None = None, threads: int | None = None) -> Simulation:
+    def resume(
+        cls,
+        path: str | Path,
+        *,
+        scene: Scene | None = None,
+        threads: int | None = None,
+        engine: str = "native",
+        ranks: int | None = None,
+        accelerator: str = "",
+    ) -> Simulation:
         """Return the simulation that a checkpoint holds, at the step it was saved.
 
         Args:
@@ -488,6 +702,7 @@ class Simulation:
             scene: go on with this scene (its run length, outputs, temperature, …) in place of the stored one; its cell
                 and its beads (species, masses, charges, which are frozen) must be the stored ones.
             threads: number of threads; results do not depend on it.
+            engine, ranks, accelerator: as for ``Simulation``; the engine need not be that of the checkpoint.
 
         Raises:
             InputError: the file is not a whole checkpoint of this program, or of other beads than the scene's.
@@ -504,7 +719,14 @@ class Simulation:
                 bonded = replace(bonded, anchors=stored.bonded.anchors)
             imcon = 2 if chosen.imcon == 1 and len(set(np.diag(cell).tolist())) > 1 else chosen.imcon
             chosen = replace(chosen, cell=cell, imcon=imcon, bonded=bonded)
-            simulation = cls(chosen, threads=threads, seed=int(meta["seed"]))
+            simulation = cls(
+                chosen,
+                threads=threads,
+                seed=int(meta["seed"]),
+                engine=engine,
+                ranks=ranks,
+                accelerator=accelerator,
+            )
             simulation._restore(arrays, meta)
         except InputError as error:
             raise InputError(error.message, path=error.path or str(path), line=error.line, word=error.word) from error
@@ -525,6 +747,9 @@ class Simulation:
             system.bead_temperatures = arrays["bead_temperatures"].tolist()
         if self.scene.beads.concentrations is not None:
             system.concentrations = arrays["concentrations"]
+        if self._engine.transport is not None:
+            self._start_amounts = arrays["start_amounts"]
+            self._engine.transport.tally = arrays["transport_tally"]
         self._engine.initialise()
         system.velocities = arrays["velocities"]  # of the whole step; some fields prescribe others between its kicks
         # The stored forces and totals hold the drag of the half-step velocities, which are gone.
@@ -540,12 +765,17 @@ class Simulation:
             thermostat_energy=float(arrays["totals.thermostat_energy"]),
             constraint=arrays.get("totals.constraint", np.zeros((3, 3))),
             field_energy=float(arrays.get("totals.field_energy", 0.0)),
+            internal_energy=float(arrays.get("totals.internal_energy", 0.0)),
+            heat_balance=float(arrays.get("totals.heat_balance", 0.0)),
         )
+        if self.scene.heat is not None:
+            self._engine.heat_account = tuple(arrays["heat_account"].tolist())
         system.forces = arrays["forces"]
         system.images = arrays["images"]
         self.start_positions = arrays["start_positions"]
         self.start_cell = arrays.get("start_cell", self.start_cell)
         prefix = "reporter."
+        self._missed_callbacks = {(str(name), int(every)) for name, every in meta.get("callbacks", [])}
         self._reporter_state = {k[len(prefix) :]: v for k, v in arrays.items() if k.startswith(prefix)}
         if self.scene.output.rdf_every > 0 and "distance_counts" in arrays:
             samples = int(meta["distance_samples"])
@@ -557,6 +787,20 @@ class Simulation:
         """Return what the reporter of this name had saved in the checkpoint; empty when there is nothing."""
         prefix = f"{name}."
         return {k[len(prefix) :]: v for k, v in self._reporter_state.items() if k.startswith(prefix)}
+
+
+def _engine(name: str, scene: Scene, seed: int, threads: int, cell_width: float, options: EngineOptions) -> Engine:
+    if name not in ENGINES:
+        raise SceneError(f"is no engine; expected {', '.join(ENGINES)}", word=name)
+    if name == "native":
+        if options != EngineOptions():
+            raise SceneError("ranks and accelerator switches are for the engine lammps; the native one has threads")
+        return NativeEngine(scene, seed=seed, threads=threads, cell_width=cell_width)
+    from pydlpoly.engines.lammps import LammpsEngine  # only this engine needs it
+
+    if cell_width > 0.0:
+        raise SceneError("a width of link cells has no meaning with the engine lammps")
+    return LammpsEngine(scene, seed=seed, threads=threads, options=options)
 
 
 def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Observation:
@@ -579,19 +823,23 @@ def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Obse
     stress = np.sum(list(stress_parts.values()), axis=0)
     freedom = scene.degrees_of_freedom
     temperature = 2.0 * kinetic / (freedom * scene.units.boltzmann) if freedom > 0 else 0.0
+    energy = {
+        "pair": totals.pair_energy,
+        **bonded,
+        "charge": totals.charge_energy,
+        "field": totals.field_energy,
+        "potential": potential,
+        "kinetic": kinetic,
+        "total": potential + kinetic,
+        "thermostat": totals.thermostat_energy,
+    }
+    if scene.heat is not None:
+        energy["internal"] = totals.internal_energy
+        energy["conserved"] = potential + kinetic + totals.internal_energy + totals.heat_balance
     return Observation(
         step=step,
         time=time,
-        energy={
-            "pair": totals.pair_energy,
-            **bonded,
-            "charge": totals.charge_energy,
-            "field": totals.field_energy,
-            "potential": potential,
-            "kinetic": kinetic,
-            "total": potential + kinetic,
-            "thermostat": totals.thermostat_energy,
-        },
+        energy=energy,
         temperature=temperature,
         pressure=float(np.trace(stress)) / 3.0,
         stress=stress,

@@ -157,7 +157,7 @@ class TemperatureSamples:
         dynamics = self._scene.dynamics
         for difference in found:
             for name in (difference.one, difference.other):
-                change = _change(series[name])
+                change = change_over(series[name])
                 if abs(change) > 0.5 * abs(difference.apart):
                     return (
                         f"the {name} one still changes, by about {change:.3g}{self._unit} over the samples: the run is "
@@ -176,7 +176,7 @@ class TemperatureSamples:
         )
 
 
-def _change(series: FloatArray) -> float:
+def change_over(series: FloatArray) -> float:
     """By how much a series changes from end to end, from the means of its halves; 0 when these may be equal."""
     half = len(series) // 2
     early, late = series[:half], series[-half:]

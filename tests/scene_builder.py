@@ -50,6 +50,8 @@ def field_text(
     frozen: Sequence[str] = (),
     extern: str = "",
     units: str = "dpd",
+    extension: str = "",
+    extensions: str = "",
 ) -> str:
     """FIELD with one molecule type of single beads for every species."""
     lines = ["test field", f"units {units}", f"molecules {len(beads)}"]
@@ -59,7 +61,7 @@ def field_text(
         lines += ["finish"]
     lines += [f"vdw {len(pairs)}", *pairs] if pairs else []
     lines += ["extern", extern] if extern else []
-    return "\n".join([*lines, "close", ""])
+    return "\n".join([*lines, "close", extension, extensions])
 
 
 def make_scene(
@@ -76,7 +78,9 @@ def make_scene(
     frozen: Sequence[str] = (),
     extern: str = "",
     units: str = "dpd",
+    extensions: str = "",
     start_seed: int = 1,
+    extension: str = "",
 ) -> Scene:
     """Return the scene of these inputs, by default DPD at k_B T = 1 in reduced units.
 
@@ -87,7 +91,7 @@ def make_scene(
         positions: (N, 3); by default independent uniform ones, from ``start_seed``.
         velocities: (N, 3); given ones are kept as they are (``restart noscale``).
         control: settings that replace or, with None, remove the default ones.
-        masses, charges, frozen, extern, units: as in ``field_text``.
+        masses, charges, frozen, extern, units, extension: as in ``field_text``; the last is text after ``close``.
     """
     box = cell_of(cell)
     count = sum(beads.values())
@@ -105,6 +109,16 @@ def make_scene(
     lines = [f"{keyword} {value}" for keyword, value in settings.items() if value is not None]
     with TemporaryDirectory() as folder:
         (Path(folder) / "CONTROL").write_text("\n".join([*lines, ""]))
-        field = field_text(beads, pairs, masses=masses, charges=charges, frozen=frozen, extern=extern, units=units)
+        field = field_text(
+            beads,
+            pairs,
+            masses=masses,
+            charges=charges,
+            frozen=frozen,
+            extern=extern,
+            units=units,
+            extension=extension,
+            extensions=extensions,
+        )
         (Path(folder) / "FIELD").write_text(field)
         return load(folder, config=configuration)

@@ -16,7 +16,7 @@ from pydlpoly.formats.statis import read_statistics
 from pydlpoly.runner import run_scene
 
 SOURCE = Path(__file__).resolve().parents[1] / "pydlpoly" / "examples"
-NAMES = sorted(folder.name for folder in SOURCE.iterdir() if folder.is_dir())
+NAMES = sorted(folder.name for folder in SOURCE.iterdir() if (folder / "CONTROL").is_file())
 
 
 def test_there_are_examples() -> None:

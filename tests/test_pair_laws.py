@@ -49,6 +49,7 @@ ROWS = {
     ),
     "dpd": Row([11.55, 3.74], (1,), 3, True, False, True, False, ends=3.74, nearest=0.05),
     "ndpd": Row([14.1, 2.63, 3.4, 3.17], (1,), 5, True, False, shiftable=False, ends=3.17, nearest=0.05),
+    "mdpd": Row([-31.2, 17.9, 3, 2.5, 3.31, 2.6], (1, 2), 7, True, False, True, False, ends=3.31, nearest=0.05),
     "14-7": Row([139.8, 2.08], (1,), 3, soft=True, mixable=True, nearest=0.05),
     "ryd": Row([-187.4, 43.9, 1.04], (1, 2), 4, soft=True, nearest=0.05),
     "zbl": Row([6, 8], (), 5, tail=False, nearest=0.2),
@@ -204,6 +205,7 @@ VALUES = {
     "dpd half way: A rc/8, A/2": ("dpd", [25, 1.2], 0.6, 3.75, 12.5),
     "ndpd half way, n = 3, b = 7: A rc (b/64 - 1/8), A (b/8 - 1/2)": ("ndpd", [16, 7, 3, 2], 1, -0.5, 6),
     "ndpd root of U": ("ndpd", [15, 7.2, 3, 1], 1 - (4 / 14.4) ** 0.5, 0, None),
+    "mdpd half way, its pair part alone: A rc/8, A/2": ("mdpd", [-40, 25, 2, 2, 1.2, 0.9], 0.6, -6, -20),
     "14-7 at r0: -eps, 7 eps/r0 (1/1.12 - 1/1.07)": ("14-7", [5, 1.7], 1.7, -5, 35 / 1.7 * (1 / 1.12 - 1 / 1.07)),
     "ryd at r = rho = 1: (a + b)/e, a/e": ("ryd", [3 * np.e, 2 * np.e, 1], 1, 5, 3),
     "sand at L + d: -A/e, -2A/(d e)": ("sand", [np.e, 1.5, 0.5], 2, -1, -4),
@@ -248,7 +250,7 @@ def test_arrays_keep_their_shape() -> None:
 # ---- real DL_POLY ---------------------------------------------------------------------------------------------------
 
 UNITS = {"internal": 1.0, "ev": 9648.530821, "kcal": 418.4, "kj": 100.0, "k": 0.831451115}
-GOLDEN = [f"pair-{key}" for key in FORMULAS if key not in ("snm", "sand", "sw")]
+GOLDEN = [f"pair-{key}" for key in FORMULAS if key not in ("snm", "mdpd", "sand", "sw")]
 GOLDEN += ["pair-lj-shift", "units-K", "units-eV", "units-kcal", "units-kJ"]
 
 

@@ -36,7 +36,12 @@ BAD = [
     ("mbuc", [1.0, 1.0, 1.0, -1.0], r"mbuc: ri \(number 4\) must be zero or a positive number"),
     ("sand", [1.0, 1.0, 0.0], r"sand: d \(number 3\) must be other than zero"),
     ("sw", [1.0, 7.0, 0.6, 0.0, 4, 0, 1.8], r"sw: sig \(number 4\) must be a positive number"),
-    ("mdpd", [1.0, 1.0], "unknown pair law 'mdpd'"),
+    ("mdpd", [-40.0, 25.0, 1.0, 0.75], r"mdpd takes 6 numbers \(A B n m rc rd\), not 4"),
+    ("mdpd", [-40.0, -1.0, 2.0, 2.0, 1.0, 0.75], r"mdpd: B \(number 2\) must be zero or a positive number"),
+    ("mdpd", [-40.0, 25.0, 1.0, 2.0, 1.0, 0.75], r"mdpd: n \(number 3\) must be 2 or more, not 1"),
+    ("mdpd", [-40.0, 25.0, 2.0, 0.5, 1.0, 0.75], r"mdpd: m \(number 4\) must be 1 or more"),
+    ("mdpd", [-40.0, 25.0, 2.0, 2.0, 1.0, 1.25], r"mdpd: rd \(number 6\) must be at most rc, not 1.25"),
+    ("mpdp", [1.0, 1.0], "unknown pair law 'mpdp'"),
     ("LJ", [1.0, 1.0], "unknown pair law 'LJ'"),
 ]
 

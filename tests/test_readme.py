@@ -106,7 +106,7 @@ def test_bonded_terms() -> None:
     [
         ("ensembles", "CONTROL", "dpd\n", "evans\n", "not modelled"),
         ("ensembles", "CONTROL", "nvt", "pmf", "not modelled"),
-        ("pair laws", "FIELD", "dpd  25.0", "mdpd 25.0", "not a pair law"),
+        ("pair laws", "FIELD", "dpd  25.0", "gaus 25.0", "unknown pair law"),
         ("cross terms", "FIELD", "  4.5\n", "\n", "needs a drag for every pair"),
         ("cells", "CONFIG", "\n0 1 3000", "\n0 4 3000", "imcon 4 .* is not supported"),
         ("external fields", "FIELD", "close", "extern\nxpis 1 2 3\nclose", "not modelled"),

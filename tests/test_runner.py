@@ -22,6 +22,7 @@ from pydlpoly.formats.rdfdat import read_rdf
 from pydlpoly.formats.statis import read_statistics
 from pydlpoly.interrupts import deferred_signals
 from pydlpoly.runner import RunResult, run_scene
+from pydlpoly.scene import load
 
 from .run_folders import listing, run_folder
 
@@ -466,3 +467,18 @@ def test_rdf_does_not_count_the_equilibration(tmp_path: Path) -> None:
     both = run(tmp_path / "all", {"time_equilibration": "20 steps", "record_equilibration": "on"})
     assert both.simulation.distance_counts()[1] == 4
     assert read_rdf(tmp_path / "after" / "out" / "RDFDAT").pairs == (("A", "A"), ("A", "B"), ("B", "B"))
+
+
+def test_output_says_where_the_time_of_the_loop_went(tmp_path: Path) -> None:
+    result = run_scene(load(run_folder(tmp_path, {"diagnostics_frequency": "10 steps"})), tmp_path)
+    timings = dict(result.summary.timings)
+    parts = {name.removeprefix("of which "): t for name, t in timings.items() if name.startswith("of which ")}
+    files = {"STATIS", "DIAGNOSTICS", "HISTORY", "checkpoints", "OUTPUT, averages"}
+    assert set(parts) == {"motion and forces", *files}
+    assert all(seconds > 0.0 for seconds in parts.values())
+    assert 0.5 * timings["steps"] < sum(parts.values()) <= timings["steps"]
+    assert "of which motion and forces" in (tmp_path / "OUTPUT").read_text()
+    # A run whose last step is no step of a checkpoint writes one after the loop.
+    result = run_scene(load(run_folder(tmp_path, {"data_dump_frequency": "0 steps"})), tmp_path)
+    assert result.summary.timings["last checkpoint"] > 0.0
+    assert "of which checkpoints" not in result.summary.timings

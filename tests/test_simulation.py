@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import time
 from pathlib import Path
 
 import numpy as np
@@ -246,6 +247,25 @@ def test_reporters_are_called_in_their_steps_whatever_the_chunks(
     assert often.steps == [7, 14, 21, 28, 35, 42]
     assert seldom.steps == [10, 20, 30, 40]
     assert done.steps == [5, 10]
+
+
+def test_seconds_of_steps_and_reporters(scene: pydlpoly.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three chunks that take 20 ms longer, and as many reports of 10 ms, over two runs."""
+
+    class Slow(Recorder):
+        def report(self, simulation: Simulation) -> None:
+            time.sleep(0.01)
+            super().report(simulation)
+
+    simulation = Simulation(scene, threads=1)
+    run = simulation._engine.run
+    monkeypatch.setattr(simulation._engine, "run", lambda steps: (time.sleep(0.02), run(steps)))
+    simulation.reporters.append(Slow(10))
+    simulation.run(20)
+    simulation.run(10)
+    assert set(simulation.seconds) == {"engine", "Slow"}
+    assert 0.06 <= simulation.seconds["engine"] < 1.0
+    assert 0.03 <= simulation.seconds["Slow"] < 1.0
 
 
 def test_reporter_that_raises_stops_the_run_at_its_step(scene: pydlpoly.Scene) -> None:

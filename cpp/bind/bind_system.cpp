@@ -154,6 +154,35 @@ std::tuple<Numbers, Numbers, Numbers, Counts> profile_of(System& system, int axi
             Counts({rows, species}, profile.beads.data())};
 }
 
+// (height, exponent, range, push) of two species, see cpp/meso/many_body.hpp.
+using DensityNumbers = std::array<double, 4>;
+
+void set_many_body(System& system, const std::string& kernel, double strength, std::vector<double> powers,
+                   const std::vector<std::tuple<std::int32_t, std::int32_t, DensityNumbers>>& pairs) {
+    const PairTable& table = system.forces.pairs().table();
+    require(kernel == "power" || kernel == "lucy", "the kernel of local densities is power or lucy");
+    require(powers.size() == static_cast<std::size_t>(table.species()), "local densities need one power a species");
+    ManyBodySettings settings;
+    settings.kernel = kernel == "lucy" ? DensityKernel::lucy : DensityKernel::power;
+    settings.strength = strength;
+    settings.powers = std::move(powers);
+    settings.pairs.resize(table.terms());
+    for (const auto& [a, b, numbers] : pairs) {
+        require(a >= 0 && b >= 0 && a < table.species() && b < table.species(), "a species index is out of range");
+        for (const std::uint32_t term : {table.term(a, b), table.term(b, a)}) {
+            require(numbers[2] * numbers[2] <= table.reach_squared()[term], "local densities reach beyond a pair law");
+            settings.pairs[term] = {numbers[0], numbers[1], numbers[2], numbers[3]};
+        }
+    }
+    system.set_many_body(std::make_shared<ManyBody>(std::move(settings)));
+}
+
+Numbers local_densities(const System& system) {
+    require(system.many_body != nullptr, "this system has no local densities: no pair has the law mdpd");
+    const std::vector<double> values = system.many_body->local_densities();
+    return Numbers(static_cast<py::ssize_t>(values.size()), values.data());
+}
+
 }  // namespace
 
 void bind_system(py::module_& m) {
@@ -324,6 +353,10 @@ void bind_system(py::module_& m) {
             },
             py::arg("charges"), py::arg("settings"), py::arg("excluded"), py::arg("scaled"), py::arg("scales"),
             "Adds electrostatics: charges (N,) in e, pairs without it, and pairs that feel it times a factor.")
+        .def("set_many_body", &set_many_body, py::arg("kernel"), py::arg("strength"), py::arg("powers"),
+             py::arg("pairs"),
+             "Adds many-body DPD: one power m a species, and (a, b, (W(0), n, r_d, push)) of pairs of species.")
+        .def("local_densities", &local_densities, "Local densities (N,) at the last evaluation of forces.")
         .def("initialise", &System::initialise, py::call_guard<py::gil_scoped_release>(),
              "Computes and observes the forces of the present state.")
         .def("plan", &System::plan, "How steps are computed: the fast path, or the general one and why.")
@@ -412,6 +445,22 @@ void bind_system(py::module_& m) {
             },
             "Of dissolved species in the beads, (N, species); empty: beads carry none.")
         .def(
+            "exchange",
+            [](System& s, std::vector<double> temperatures, const ArrayXN& concentrations) {
+                auto& beads = s.state.particles;
+                require(temperatures.size() == beads.temperature.size() &&
+                            (temperatures.empty() || fits(s, temperatures, 0.0)),
+                        "temperatures must be finite, above 0 and as many as there are");
+                require(concentrations.rows() == beads.concentration.rows() &&
+                            concentrations.cols() == beads.concentration.cols() && concentrations.allFinite() &&
+                            (concentrations.size() == 0 || concentrations.minCoeff() >= 0.0),
+                        "concentrations must be finite, not negative and shaped as they are");
+                beads.temperature = std::move(temperatures);
+                beads.concentration = concentrations;
+            },
+            py::arg("temperatures"), py::arg("concentrations"),
+            "Replace what beads carry between two steps, as a process does: forces stay those of the last step.")
+        .def(
             "wrap",
             [](System& s) {
                 for (Eigen::Index i = 0; i < s.state.particles.count(); ++i) {
@@ -495,6 +544,13 @@ void bind_system(py::module_& m) {
         .def("enable_distances", &System::enable_distances, py::arg("reach"), py::arg("bins"), py::arg("every"),
              py::arg("after") = 0)
         .def("distance_counts", &distance_counts)
+        .def(
+            "sample_distances",
+            [](System& s) {
+                require(s.distances.has_value(), "pair distances are not sampled in this system");
+                s.distances->sample(s.state.box, s.state.particles);
+            },
+            "Counts the pair distances of the present positions as one more sample, whatever the step.")
         .def_property_readonly("distance_samples",
                                [](const System& s) { return s.distances ? s.distances->samples() : 0; })
         .def_property_readonly(

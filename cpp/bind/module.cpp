@@ -12,4 +12,6 @@ PYBIND11_MODULE(_core, m) {
     dlpoly::bind::bind_charge(m);
     dlpoly::bind::bind_random(m);
     dlpoly::bind::bind_system(m);
+    dlpoly::bind::bind_heat(m);
+    dlpoly::bind::bind_transport(m);
 }

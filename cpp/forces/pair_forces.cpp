@@ -33,23 +33,31 @@ PairForces::PairForces(PairTable table, double thermal_energy, double timestep)
     for (const PairDrag& drag : table_.drags()) {
         force = std::max(force, 7.0 * drag.noise / std::sqrt(timestep));
     }
+    any_law_or_noise_ = force > 0.0;
     force = std::max(force, 1e-12);
     base_exponent_ = grid_exponent(force);
     base_energy_exponent_ = grid_exponent(force * std::max(table_.range(), 1e-6));
 }
 
 void PairForces::add_modifier(std::shared_ptr<PairModifier> modifier) {
+    // An estimate that beads never meet would cost digits: the grid becomes at most 64 times coarser than that of laws
+    // and noise. Where it is too fine after all, compute() repeats its sums.
+    constexpr int most = 6;
     const double force = modifier->characteristic_force();
     if (force > 0.0) {
-        base_exponent_ = std::min(base_exponent_, grid_exponent(force));
-        base_energy_exponent_ = std::min(base_energy_exponent_, grid_exponent(force * std::max(table_.range(), 1e-6)));
+        const int coarser = base_exponent_ - grid_exponent(force);
+        const int bits = std::max(0, any_law_or_noise_ ? std::min(coarser, most) : coarser);
+        base_exponent_ -= bits;
+        base_energy_exponent_ -= bits;
     }
     modifiers_.push_back(std::move(modifier));
 }
 
-void PairForces::prepare_modifiers(const Box& box, const Particles& particles, int threads) {
+void PairForces::prepare_modifiers(const Box& box, const Particles& particles, int threads, bool conservative) {
     for (const auto& modifier : modifiers_) {
-        modifier->prepare(*this, box, particles, threads);
+        if (conservative || modifier->changes_motion()) {
+            modifier->prepare(*this, box, particles, threads);
+        }
     }
 }
 
@@ -65,7 +73,7 @@ void PairForces::compute(const Box& box, Particles& particles, const Array3N& ve
     walk.motion = (request.drag || request.noise) && table_.has_drag();
     walk.threads = useful_threads(particles.count());
     update_list(box, particles, walk.threads);
-    prepare_modifiers(box, particles, walk.threads);
+    prepare_modifiers(box, particles, walk.threads, request.conservative);
     if (walk.motion) {
         gather_motion(velocity, request, walk.threads);
     }
@@ -110,7 +118,7 @@ double PairForces::curvature(const Box& box, const Particles& particles) {
     const int exponent = base_exponent_ + std::min(0, static_cast<int>(std::floor(std::log2(range))));
     walk.scale = std::ldexp(1.0, exponent);
     update_list(box, particles, walk.threads);
-    prepare_modifiers(box, particles, walk.threads);
+    prepare_modifiers(box, particles, walk.threads, true);
     static_cast<void>(visit_pairs(walk));
     WideSum sum;
     bool lost = false;
@@ -132,9 +140,26 @@ void PairForces::visit(const Box& box, const Particles& particles, PairVisitor& 
     const int threads = useful_threads(particles.count());
     update_list(box, particles, threads);
     if (visitor.wants_factors()) {
-        prepare_modifiers(box, particles, threads);
+        prepare_modifiers(box, particles, threads, true);
     }
     show(visitor, threads);
+}
+
+void PairForces::visit_motion(const Box& box, const Particles& particles, const Array3N& velocity,
+                              const ForceRequest& request, MotionVisitor& visitor) {
+    if (!table_.has_drag() || particles.count() == 0) {
+        return;
+    }
+    PairWalk walk;
+    walk.request = request;
+    walk.forces = false;
+    walk.motion_visitor = &visitor;
+    walk.threads = useful_threads(particles.count());
+    update_list(box, particles, walk.threads);
+    prepare_modifiers(box, particles, walk.threads, false);
+    gather_motion(velocity, request, walk.threads);
+    visitor.begin(list_.order(), walk.threads);
+    static_cast<void>(visit_pairs(walk));
 }
 
 void PairForces::show(PairVisitor& visitor, int threads) {
@@ -302,6 +327,9 @@ void PairForces::visit_row(const ListRow& row, const PairWalk& walk, PairWorker&
             worker.batch.term = block.term;
         }
         worker.batch.reach_squared = table_.reach_squared()[block.term];
+        if (walk.visitor != nullptr) {
+            worker.batch.reach_squared = walk.visitor->reach_squared(block.term, worker.batch.reach_squared);
+        }
         filter.segment = block.first;
         filter.last_segment = block.last;
         filter.entry = row.segments[block.first].first;
@@ -321,7 +349,12 @@ void PairForces::finish_batch(const PairWalk& walk, PairWorker& worker) {
         return;
     }
     if (!walk.forces) {
-        if (walk.visitor == nullptr) {
+        if (walk.motion_visitor != nullptr) {
+            if (table_.drags()[batch.term].drag > 0.0) {
+                find_motion(batch, worker.result, walk.request);
+                walk.motion_visitor->visit(batch, worker.result, thread_number());
+            }
+        } else if (walk.visitor == nullptr) {
             add_curvature(walk, worker);
         } else if (!walk.visitor->wants_factors()) {
             walk.visitor->visit(batch, nullptr, list_.order().data(), thread_number());
@@ -349,15 +382,7 @@ void PairForces::finish_batch(const PairWalk& walk, PairWorker& worker) {
     }
     const bool motion = walk.motion && table_.drags()[batch.term].drag > 0.0;
     if (motion) {
-        evaluate_motion(batch, result, walk.request);
-        if (walk.request.shear_rate != 0.0 && walk.request.drag) {
-            add_drag_of_shear(batch, result, walk.request);
-        }
-        for (const auto& modifier : modifiers_) {
-            if (modifier->changes_motion()) {
-                modifier->change_motion(batch, result, table_.drags()[batch.term], walk.request);
-            }
-        }
+        find_motion(batch, result, walk.request);
     }
     bool fits = phases_->round(batch, result, motion, walk.scale);
     if (fits) {
@@ -381,6 +406,19 @@ void PairForces::finish_batch(const PairWalk& walk, PairWorker& worker) {
     worker.accepted += static_cast<std::int64_t>(batch.size);
     batch.size = 0;
     batch.runs = 0;
+}
+
+// Drag and noise of a batch with all that changes them.
+void PairForces::find_motion(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const {
+    evaluate_motion(batch, result, request);
+    if (request.shear_rate != 0.0 && request.drag) {
+        add_drag_of_shear(batch, result, request);
+    }
+    for (const auto& modifier : modifiers_) {
+        if (modifier->changes_motion()) {
+            modifier->change_motion(batch, result, table_.drags()[batch.term], request);
+        }
+    }
 }
 
 // Drag and noise of a batch: −γ w^D (e·v_ij) e and σ w^R ζ/√Δt e with w^R = √w^D, Español and Warren (1995).

@@ -61,6 +61,10 @@ class PairForces {
     // Shows the visitor every pair within its reach.
     void visit(const Box& box, const Particles& particles, PairVisitor& visitor);
 
+    // Shows drag and noise of every pair as compute() makes them of this request and these velocities.
+    void visit_motion(const Box& box, const Particles& particles, const Array3N& velocity, const ForceRequest& request,
+                      MotionVisitor& visitor);
+
     // The same for the pair list as it is, within PairModifier::prepare.
     void show(PairVisitor& visitor, int threads);
     // Ids in the order of the batches' indices.
@@ -78,7 +82,7 @@ class PairForces {
     };
 
     void update_list(const Box& box, const Particles& particles, int threads);
-    void prepare_modifiers(const Box& box, const Particles& particles, int threads);
+    void prepare_modifiers(const Box& box, const Particles& particles, int threads, bool conservative);
     void gather_motion(const Array3N& velocity, const ForceRequest& request, int threads);
     void spread_forces(Particles& particles, double unit, int threads) const;
     void collect_totals(int energy_exponent, PairTotals& totals) const;
@@ -87,6 +91,7 @@ class PairForces {
     void add_curvature(const PairWalk& walk, PairWorker& worker) const;
     void finish_batch(const PairWalk& walk, PairWorker& worker);
     void evaluate_motion(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const;
+    void find_motion(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const;
     void add_drag_of_shear(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const;
     void find_worst(const PairWalk& walk, PairWorker& worker) const;
     [[noreturn]] void report_overflow(const PairWorker& worst, std::uint64_t step) const;
@@ -99,6 +104,7 @@ class PairForces {
     double cell_width_ = 0.0;
     int base_exponent_;
     int base_energy_exponent_;
+    bool any_law_or_noise_ = false;
 
     std::vector<std::shared_ptr<PairModifier>> modifiers_;
     std::vector<MotionRecord> motion_;  // in sorted order

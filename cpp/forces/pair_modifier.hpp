@@ -25,7 +25,8 @@ class PairModifier {
     virtual ~PairModifier() = default;
 
     // Before the pairs of one evaluation are walked: gathers what belongs to beads, in the order of pairs.order(). May
-    // walk the pairs itself, by pairs.show(). `threads` is how many the walk will have.
+    // walk the pairs itself, by pairs.show(). `threads` is how many the walk will have. Left out where the evaluation
+    // asks for drag and noise alone and the part changes neither.
     virtual void prepare(PairForces& pairs, const Box& box, const Particles& particles, int threads) = 0;
 
     // Changes energy and conservative factor of every pair of a batch, up to whole lanes.

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "core/exact_sum.hpp"
 #include "forces/pair_batch.hpp"
@@ -69,7 +70,24 @@ class PairVisitor {
 
     // Visitors that only look at distances are given no factors, and also pairs that have no conservative law.
     [[nodiscard]] virtual bool wants_factors() const { return true; }
+    // The square of the distance within which it is shown pairs of an entry of the table, at most the table's own.
+    [[nodiscard]] virtual double reach_squared(std::uint32_t /*term*/, double of_table) const { return of_table; }
     virtual void visit(const PairBatch& batch, const double* factors, const std::uint32_t* order, int thread) = 0;
+};
+
+// The same with the factors of drag and noise, for pairs that have a drag.
+class MotionVisitor {
+  public:
+    MotionVisitor() = default;
+    MotionVisitor(const MotionVisitor&) = delete;
+    MotionVisitor& operator=(const MotionVisitor&) = delete;
+    MotionVisitor(MotionVisitor&&) = delete;
+    MotionVisitor& operator=(MotionVisitor&&) = delete;
+    virtual ~MotionVisitor() = default;
+
+    // Called once, before the pairs: how the batches are sorted, and how many threads there will be.
+    virtual void begin(const std::vector<std::uint32_t>& order, int threads) = 0;
+    virtual void visit(const PairBatch& batch, const BatchResult& result, int thread) = 0;
 };
 
 // What is the same for all pairs of one walk.
@@ -78,6 +96,7 @@ struct PairWalk {
     bool motion = false;             // drag and noise act
     bool forces = true;              // else second derivatives of the energy, or what a visitor makes of the pairs
     PairVisitor* visitor = nullptr;  // nullptr: second derivatives
+    MotionVisitor* motion_visitor = nullptr;
     const std::uint8_t* frozen = nullptr;  // by id; for the curvature
     double scale = 0.0;
     double energy_scale = 0.0;

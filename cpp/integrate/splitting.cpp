@@ -24,6 +24,7 @@ SweepSettings sweep_settings(const State& state, const StepSettings& settings, d
     sweep.step = state.step;
     sweep.shear_rate = settings.shear_rate;
     sweep.stream = stream;
+    sweep.heat = settings.heat.get();
     sweep.strong_noise = settings.precision == Precision::reference;
     return sweep;
 }
@@ -61,6 +62,9 @@ void Splitting::sweep(State& state, Forces& forces, const StepSettings& settings
     }
     leave_thermostat(state, forces, settings);
     virial_ += sweep_->virial();
+    if (settings.heat) {
+        state.heat_supplied -= sweep_->heat_of_held();
+    }
 }
 
 void Splitting::step(State& state, Forces& forces, const StepSettings& settings, bool observe, PairTotals& totals) {

@@ -11,6 +11,7 @@
 namespace dlpoly {
 
 class Flight;
+class HeatPairs;
 
 // How a step is taken. The names are those of ensemble_dpd_order.
 enum class Order {
@@ -118,7 +119,9 @@ struct StepSettings {
     std::uint64_t rescale_every = 0;        // steps, 0 = never
     std::uint64_t regauss_every = 0;        // steps, 0 = never
     Barostat barostat;
-    double shear_rate = 0.0;               // ∂u_x/∂y of a cell with Lees–Edwards boundaries, 1/ps
+    double shear_rate = 0.0;  // ∂u_x/∂y of a cell with Lees–Edwards boundaries, 1/ps
+    // Coefficients of beads that carry heat; none: they do not.
+    std::shared_ptr<const HeatPairs> heat;
     std::shared_ptr<const Flight> flight;  // how beads move between kicks; none: along straight lines
 };
 

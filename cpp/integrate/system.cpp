@@ -84,6 +84,14 @@ void System::add_process(std::unique_ptr<BeadProcess> process) {
     ready = false;
 }
 
+void System::set_many_body(std::shared_ptr<ManyBody> part) {
+    if (many_body) {
+        throw std::invalid_argument("many-body DPD is already there");
+    }
+    many_body = part;
+    add_modifier(std::move(part));
+}
+
 void System::choose_path() {
     if (path_chosen_) {
         return;
@@ -92,7 +100,7 @@ void System::choose_path() {
     refusal_ = settings.precision == Precision::reference ? "the precision is reference"
                : forces.constraints() != nullptr          ? "distances are fixed by constraints"
                : !forces.pairs().modifiers().empty()      ? "pair forces depend on more than distances"
-               : !processes_.empty()                      ? "beads carry heat or dissolved species"
+               : !processes_.empty() || settings.heat     ? "beads carry heat or dissolved species"
                : forces.has_exclusions()
                    ? "bonded beads have no pair forces (keys without a leading '-')"
                    : fast::refusal(state.box, state.particles, forces.pairs().table(), settings, forces.has_fields());
@@ -119,6 +127,9 @@ void System::initialise() {
         fluid_->start(state, settings, totals);
     } else {
         integrator_->start(state, forces, settings, true, totals);
+        for (const auto& process : processes_) {
+            process->start(state, forces, settings);
+        }
     }
     ready = true;
 }

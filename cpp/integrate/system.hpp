@@ -14,6 +14,7 @@
 #include "integrate/integrator.hpp"
 #include "integrate/step_settings.hpp"
 #include "meso/bead_process.hpp"
+#include "meso/many_body.hpp"
 #include "observe/pair_distances.hpp"
 
 namespace dlpoly {
@@ -49,6 +50,8 @@ class System {
     // Adds a part of the pair forces that needs more than distances, and what happens to what beads carry in a step.
     void add_modifier(std::shared_ptr<PairModifier> modifier);
     void add_process(std::unique_ptr<BeadProcess> process);
+    // Adds many-body DPD. Throws std::invalid_argument where there is one already.
+    void set_many_body(std::shared_ptr<ManyBody> part);
 
     // How steps are computed: "fast", or why not in words.
     [[nodiscard]] std::string plan();
@@ -62,7 +65,8 @@ class System {
     std::optional<PairDistances> distances;
     std::uint64_t distances_every = 0;
     std::uint64_t distances_after = 0;
-    bool ready = false;  // forces belong to the present positions
+    std::shared_ptr<const ManyBody> many_body;  // nullptr: no local densities
+    bool ready = false;                         // forces belong to the present positions
 
   private:
     void choose_path();

@@ -17,6 +17,9 @@ class BeadProcess {
     BeadProcess& operator=(BeadProcess&&) = delete;
     virtual ~BeadProcess() = default;
 
+    // After the forces of a start were computed, from which no step was taken yet.
+    virtual void start(State& /*state*/, Forces& /*forces*/, const StepSettings& /*settings*/) {}
+
     // Takes what beads carry over one timestep. Called after the integrator's step: positions, velocities and forces
     // are those of its end, and state.step counts it. Throws RunFailure naming the bead when a number stops being
     // finite.

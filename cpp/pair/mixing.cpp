@@ -198,6 +198,10 @@ Form to_form(std::string_view key, std::span<const double> parameters, double dr
     } else if (key == "wca") {
         form.main.length = std::abs(parameters[1]);  // the readings of sig and D that the law itself has
         form.third = std::min(parameters[2], 0.5 * form.main.length);
+    } else if (key == "mdpd") {
+        form.main.energy = std::abs(parameters[0]);  // of both, with one sign
+        form.main.length = parameters[4];
+        form.third = parameters[5];
     }
     return form;
 }
@@ -218,6 +222,22 @@ MixedPair mix_forms(MixingRule rule, std::string_view key, const Form& i, const 
     return pair;
 }
 
+// A, rc and rd of many-body DPD are mixed. B and n must be equal already; m belongs to the species and stays with them,
+// as does an rd that both have: a mean that depends on rc would move it.
+MixedPair mix_many_body(MixingRule rule, std::span<const double> i, std::span<const double> j, double drag_i,
+                        double drag_j) {
+    require((i[0] >= 0.0 && j[0] >= 0.0) || (i[0] <= 0.0 && j[0] <= 0.0), "no mean of an attraction and a repulsion");
+    require(i[1] == j[1], "B is one number for all pairs");
+    require(i[2] == j[2], "no mean of two exponents n");
+    const Form first = to_form("mdpd", i, drag_i);
+    const Form second = to_form("mdpd", j, drag_j);
+    const Mixed mixed = mix(rule, first.main, second.main);
+    const double density_range =
+        i[5] == j[5] ? i[5] : mix_length(rule, first.third, second.third, first.main, second.main, mixed);
+    const double sign = i[0] < 0.0 || j[0] < 0.0 ? -1.0 : 1.0;
+    return {{sign * mixed.energy, i[1], i[2], i[3] == j[3] ? i[3] : 0.0, mixed.length, density_range}, mixed.drag};
+}
+
 }  // namespace
 
 MixedPair mix(MixingRule rule, std::string_view key, std::span<const double> parameters_i,
@@ -229,8 +249,9 @@ MixedPair mix(MixingRule rule, std::string_view key, std::span<const double> par
             static_cast<void>(Law(parameters_i, any_cutoff));
             static_cast<void>(Law(parameters_j, any_cutoff));
             try {
-                pair = mix_forms(rule, key, to_form(key, parameters_i, drag_i), to_form(key, parameters_j, drag_j),
-                                 Law::info.parameter_names.size());
+                pair = key == "mdpd" ? mix_many_body(rule, parameters_i, parameters_j, drag_i, drag_j)
+                                     : mix_forms(rule, key, to_form(key, parameters_i, drag_i),
+                                                 to_form(key, parameters_j, drag_j), Law::info.parameter_names.size());
             } catch (const std::invalid_argument& reason) {
                 throw std::invalid_argument(
                     "mixing rule " + std::string(mixing_rule_names[static_cast<std::size_t>(rule)]) + " for pair law " +

@@ -17,6 +17,7 @@
 #include "pair/lennard_jones.hpp"
 #include "pair/lennard_jones_cohesive.hpp"
 #include "pair/lennard_jones_frenkel.hpp"
+#include "pair/mdpd.hpp"
 #include "pair/morse.hpp"
 #include "pair/morse_twelve.hpp"
 #include "pair/n_m.hpp"
@@ -54,6 +55,7 @@ using Laws = TypeList<LennardJones,           //
                       WeeksChandlerAndersen,  //
                       Dpd,                    //
                       NDpd,                   //
+                      ManyBodyDpd,            //
                       FourteenSeven,          //
                       Rydberg,                //
                       Zbl,                    //

@@ -66,6 +66,36 @@ void PairSweep::sort(const Box& box, const Particles& particles, const SweepSett
     }
 }
 
+void PairSweep::gather_heat(const Particles& particles, const HeatPairs& pairs, [[maybe_unused]] int threads) {
+    const std::vector<std::uint32_t>& order = rows_.order();
+    const std::size_t beads = order.size();
+    heat_.resize(beads);
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static) num_threads(threads)
+#endif
+    for (std::size_t k = 0; k < beads; ++k) {
+        const std::uint32_t id = order[k];
+        const bool held = pairs.held[id] != 0;
+        const double capacity = particles.heat_capacity[id];
+        heat_[k] = {particles.temperature[id], capacity, held ? 0.0 : 1.0 / capacity, 0.0, held};
+    }
+}
+
+void PairSweep::spread_heat(Particles& particles) {
+    const std::vector<std::uint32_t>& order = rows_.order();
+    const std::size_t beads = order.size();
+    heat_of_held_ = 0.0;
+    for (std::size_t k = 0; k < beads; ++k) {
+        const Heat& bead = heat_[k];
+        if (bead.held) {
+            heat_of_held_ += bead.gained;
+        } else {
+            particles.temperature[order[k]] = bead.temperature + bead.gained / bead.capacity;
+        }
+    }
+}
+
+template <bool heated>
 PairSituation PairSweep::situation(const Row& row, std::size_t k, const SweepSettings& settings) const {
     const PairDrag& drag = table_.drags()[row.term[k]];
     const double closeness = 1.0 - std::sqrt(row.squared[k]) / drag.cutoff;
@@ -76,6 +106,25 @@ PairSituation PairSweep::situation(const Row& row, std::size_t k, const SweepSet
         settings.weight_exponent == 2.0 ? closeness * closeness : std::pow(closeness, settings.weight_exponent);
     pair.duration = settings.duration;
     pair.thermal_energy = settings.thermal_energy;
+    if constexpr (heated) {
+        const HeatPairs& heat = *settings.heat;
+        const std::uint32_t term = row.term[k];
+        const Heat& one = heat_[row.i[k]];
+        const Heat& other = heat_[row.j[k]];
+        const double a = one.temperature;
+        const double b = other.temperature;
+        const double mean = 0.5 * (a + b);
+        const double more =
+            1.0 + heat.drag_of_noise(term, a, b, one.inverse_capacity, other.inverse_capacity, closeness);
+        pair.drag *= more;
+        pair.thermal_energy = HeatPairs::thermal_energy(a, b) / more;
+        if (heat.drag_varies(term)) {
+            pair.drag *= heat.drag_factor(term, mean);
+        }
+        if (heat.weight_varies(term)) {
+            pair.weight = std::pow(closeness, heat.weight_exponent(term, mean));
+        }
+    }
     return pair;
 }
 
@@ -117,7 +166,7 @@ PairDraw PairSweep::draw_of(const Row& row, std::size_t k, const SweepSettings& 
     return result;
 }
 
-template <class Map>
+template <bool heated, class Map>
 void PairSweep::make_maps(const Row& row, Maps& maps, const Map& map, const SweepSettings& settings) const {
     const std::size_t pairs = row.size();
     maps.map.resize(pairs);
@@ -125,11 +174,11 @@ void PairSweep::make_maps(const Row& row, Maps& maps, const Map& map, const Swee
     for (std::size_t k = 0; k < pairs; ++k) {
         double* across = maps.across.empty() ? nullptr : &maps.across[3 * k];
         const PairDraw draw = draw_of(row, k, settings, Map::uniform, across);
-        maps.map[k] = map(situation(row, k, settings), draw);
+        maps.map[k] = map(situation<heated>(row, k, settings), draw);
     }
 }
 
-template <bool sheared>
+template <bool sheared, bool heated>
 void PairSweep::use_pair(const Row& row, const Maps& maps, std::size_t k, const SweepSettings& settings,
                          std::array<double, 6>* virial) {
     Velocity& a = velocity_[row.i[k]];
@@ -146,7 +195,7 @@ void PairSweep::use_pair(const Row& row, const Maps& maps, std::size_t k, const 
     double px = along * ex, py = along * ey, pz = along * ez;
     if (settings.transverse_drag > 0.0) {
         // The exact solution of drag and noise across the axis; three numbers, of which the part along it is taken out.
-        PairSituation pair = situation(row, k, settings);
+        PairSituation pair = situation<heated>(row, k, settings);
         pair.drag *= settings.transverse_drag;
         const double x = pair.relaxation();
         const double lost = std::expm1(-x);
@@ -156,6 +205,18 @@ void PairSweep::use_pair(const Row& row, const Maps& maps, std::size_t k, const 
         px += (lost * (relative_x - u * ex) + noise * (n[0] - n_along * ex)) / inverse_mass;
         py += (lost * ((a.y - b.y) - u * ey) + noise * (n[1] - n_along * ey)) / inverse_mass;
         pz += (lost * ((a.z - b.z) - u * ez) + noise * (n[2] - n_along * ez)) / inverse_mass;
+    }
+    if constexpr (heated) {
+        // What the pair's kinetic energy loses becomes heat of its beads, half for each.
+        const double gained = -(px * relative_x + py * (a.y - b.y) + pz * (a.z - b.z) +
+                                0.5 * (px * px + py * py + pz * pz) * inverse_mass);
+        Heat& heat_a = heat_[row.i[k]];
+        Heat& heat_b = heat_[row.j[k]];
+        if (!heat_a.has(0.5 * gained) || !heat_b.has(0.5 * gained)) {
+            return;  // a bead has less heat than the noise would take
+        }
+        heat_a.gained += 0.5 * gained;
+        heat_b.gained += 0.5 * gained;
     }
     a.x += a.inverse_mass * px;
     a.y += a.inverse_mass * py;
@@ -172,26 +233,27 @@ void PairSweep::use_pair(const Row& row, const Maps& maps, std::size_t k, const 
     }
 }
 
+template <bool heated>
 void PairSweep::use_maps(const Row& row, const Maps& maps, const SweepSettings& settings,
                          std::array<double, 6>* virial) {
     if (settings.shear_rate != 0.0) {
-        use_all<true>(row, maps, settings, virial);
+        use_all<true, heated>(row, maps, settings, virial);
     } else {
-        use_all<false>(row, maps, settings, virial);
+        use_all<false, heated>(row, maps, settings, virial);
     }
 }
 
-template <bool sheared>
+template <bool sheared, bool heated>
 void PairSweep::use_all(const Row& row, const Maps& maps, const SweepSettings& settings,
                         std::array<double, 6>* virial) {
     const std::size_t pairs = row.size();
     if (settings.backward) {
         for (std::size_t k = pairs; k-- > 0;) {
-            use_pair<sheared>(row, maps, k, settings, virial);
+            use_pair<sheared, heated>(row, maps, k, settings, virial);
         }
     } else {
         for (std::size_t k = 0; k < pairs; ++k) {
-            use_pair<sheared>(row, maps, k, settings, virial);
+            use_pair<sheared, heated>(row, maps, k, settings, virial);
         }
     }
 }
@@ -206,10 +268,18 @@ void PairSweep::apply(const Box& box, Particles& particles, const Map& map, cons
     sort(box, particles, settings, threads);
     std::vector<std::array<double, 6>> virials(settings.observe ? rows_.count() : 0);
     maps_.resize(static_cast<std::size_t>(threads));
-    rows_.visit(settings.backward, threads, [&](const Row& row, std::size_t place, std::size_t thread) {
-        make_maps(row, maps_[thread], map, settings);
-        use_maps(row, maps_[thread], settings, settings.observe ? &virials[place] : nullptr);
-    });
+    if (settings.heat != nullptr) {
+        gather_heat(particles, *settings.heat, threads);
+        rows_.visit(settings.backward, threads, [&](const Row& row, std::size_t place, std::size_t thread) {
+            make_maps<true>(row, maps_[thread], map, settings);
+            use_maps<true>(row, maps_[thread], settings, settings.observe ? &virials[place] : nullptr);
+        });
+    } else {
+        rows_.visit(settings.backward, threads, [&](const Row& row, std::size_t place, std::size_t thread) {
+            make_maps<false>(row, maps_[thread], map, settings);
+            use_maps<false>(row, maps_[thread], settings, settings.observe ? &virials[place] : nullptr);
+        });
+    }
     const std::vector<std::uint32_t>& order = rows_.order();
     const std::size_t beads = order.size();
     for (std::size_t k = 0; k < beads; ++k) {
@@ -219,6 +289,9 @@ void PairSweep::apply(const Box& box, Particles& particles, const Map& map, cons
                              std::to_string(order[k] + 1) +
                              " something that is not a number; the timestep is too long for the drag");
         }
+    }
+    if (settings.heat != nullptr) {
+        spread_heat(particles);
     }
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static) num_threads(threads)
@@ -258,7 +331,7 @@ PairSweep::PairTemperature PairSweep::measure(const Box& box, const Particles& p
     rows_.visit(settings.backward, threads, [&](const Row& row, std::size_t place, std::size_t) {
         PairTemperature& part = parts[place];
         for (std::size_t k = 0; k < row.size(); ++k) {
-            const PairSituation pair = situation(row, k, settings);
+            const PairSituation pair = situation<false>(row, k, settings);
             const Velocity& a = velocity_[row.i[k]];
             const Velocity& b = velocity_[row.j[k]];
             const double relative_x = a.x - b.x + settings.shear_rate * row.dy[k];

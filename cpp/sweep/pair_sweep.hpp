@@ -14,6 +14,7 @@
 #include "core/random.hpp"
 #include "forces/exclusions.hpp"
 #include "forces/pair_table.hpp"
+#include "meso/heat_pairs.hpp"
 #include "sweep/pair_map.hpp"
 #include "sweep/pair_rows.hpp"
 
@@ -33,6 +34,8 @@ struct SweepSettings {
     bool strong_noise = false;  // Philox4x32-10 for every pair instead of the mix of two beads' words
     bool backward = false;      // the pairs in opposite order
     bool observe = false;       // also the virial of the impulses
+    // Beads carry heat: pairs have their own k_B T, and the kinetic energy they lose becomes heat.
+    const HeatPairs* heat = nullptr;
 };
 
 class PairSweep {
@@ -45,6 +48,9 @@ class PairSweep {
 
     // Σ Δp_a r_b/h over the pairs of the last sweep that observed.
     [[nodiscard]] const Matrix3& virial() const noexcept { return virial_; }
+
+    // What the last sweep gave to beads whose internal temperature is held.
+    [[nodiscard]] double heat_of_held() const noexcept { return heat_of_held_; }
 
     // Sums over all pairs at the present velocities.
     struct PairTemperature {
@@ -65,24 +71,40 @@ class PairSweep {
     struct Velocity {
         double x, y, z, inverse_mass;
     };
+    // Of a bead that carries heat: its temperature before the sweep, by which coefficients go, and what it gained
+    // since.
+    struct Heat {
+        double temperature, capacity, inverse_capacity, gained;
+        bool held;
+
+        [[nodiscard]] bool has(double more) const noexcept {
+            return held || temperature * capacity + (gained + more) > 0.0;
+        }
+    };
 
     void sort(const Box& box, const Particles& particles, const SweepSettings& settings, int threads);
     [[nodiscard]] sweep::PairDraw draw_of(const Row& row, std::size_t k, const SweepSettings& settings, bool uniform,
                                           double* across) const;
-    template <class Map>
+    void gather_heat(const Particles& particles, const HeatPairs& pairs, int threads);
+    void spread_heat(Particles& particles);
+    template <bool heated, class Map>
     void make_maps(const Row& row, Maps& maps, const Map& map, const SweepSettings& settings) const;
+    template <bool heated>
     void use_maps(const Row& row, const Maps& maps, const SweepSettings& settings, std::array<double, 6>* virial);
-    template <bool sheared>
+    template <bool sheared, bool heated>
     void use_all(const Row& row, const Maps& maps, const SweepSettings& settings, std::array<double, 6>* virial);
-    template <bool sheared>
+    template <bool sheared, bool heated>
     void use_pair(const Row& row, const Maps& maps, std::size_t k, const SweepSettings& settings,
                   std::array<double, 6>* virial);
+    template <bool heated>
     [[nodiscard]] sweep::PairSituation situation(const Row& row, std::size_t k, const SweepSettings& settings) const;
 
     const PairTable& table_;
     PairRows rows_;
     std::vector<Velocity> velocity_;  // sorted
     std::vector<std::uint32_t> word_;
+    std::vector<Heat> heat_;  // sorted; empty where beads carry none
+    double heat_of_held_ = 0.0;
     std::vector<Maps> maps_;  // one a thread
     Matrix3 virial_ = Matrix3::Zero();
 };

@@ -9,6 +9,7 @@ from pydlpoly.analysis.bilayer import BilayerThickness
 from pydlpoly.analysis.bonds import BondAngles, BondLengths, terms_of
 from pydlpoly.analysis.chains import ChainDimensions
 from pydlpoly.analysis.clusters import ClusterSizes
+from pydlpoly.analysis.contact_angle import ContactAngle
 from pydlpoly.analysis.density import DensityProfile
 from pydlpoly.analysis.frames import Analysis, analyse, frames_of_arrays
 from pydlpoly.analysis.lamellae import LamellarOrder
@@ -16,6 +17,8 @@ from pydlpoly.analysis.mdanalysis import universe
 from pydlpoly.analysis.molecules import Molecules, molecule_centres, molecules_of
 from pydlpoly.analysis.msd import MeanSquareDisplacement
 from pydlpoly.analysis.order import OrientationalOrder
+from pydlpoly.analysis.profile import Profile, profile_of_arrays
+from pydlpoly.analysis.profile_plot import plot_map, plot_profile
 from pydlpoly.analysis.rdf import RadialDistribution
 from pydlpoly.analysis.structure_factor import StructureFactor
 from pydlpoly.analysis.vaf import VelocityAutocorrelation
@@ -27,11 +30,13 @@ __all__ = [
     "BondLengths",
     "ChainDimensions",
     "ClusterSizes",
+    "ContactAngle",
     "DensityProfile",
     "LamellarOrder",
     "MeanSquareDisplacement",
     "Molecules",
     "OrientationalOrder",
+    "Profile",
     "RadialDistribution",
     "StructureFactor",
     "VelocityAutocorrelation",
@@ -39,6 +44,9 @@ __all__ = [
     "frames_of_arrays",
     "molecule_centres",
     "molecules_of",
+    "plot_map",
+    "plot_profile",
+    "profile_of_arrays",
     "terms_of",
     "universe",
 ]

@@ -14,6 +14,7 @@ from pydlpoly.analysis.report import Curve, Number
 from pydlpoly.bench.plot import new_figure, save_figure
 from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import atomic_file, replace_file
+from pydlpoly.formats.binned_table import BinnedTable
 
 _FILES = (".csv", ".npz")
 
@@ -66,6 +67,20 @@ def write_results(path: Path, numbers: Sequence[Number], curves: Sequence[Curve]
     for curve in curves:
         stem = f"{_word(curve.group)}.{_word(curve.name)}"
         arrays |= {f"{stem}.x": curve.x, f"{stem}.y": curve.y, f"{stem}.error": curve.error}
+    with atomic_file(path) as file:
+        np.savez(file, **arrays)  # type: ignore[arg-type] # the names are ours, none is allow_pickle
+
+
+def write_map(path: Path, table: BinnedTable) -> None:
+    """Write averages over two axes in one instant: .npz, with the middles of the bins by axis and arrays by quantity.
+
+    Raises:
+        InputError: the name ends with something else.
+        RunError: the file cannot be written.
+    """
+    if path.suffix != ".npz":
+        raise InputError("a map has no columns; expected a name that ends with .npz", path=str(path))
+    arrays = {**dict(zip(table.axes, table.centres, strict=True)), **table.values}
     with atomic_file(path) as file:
         np.savez(file, **arrays)  # type: ignore[arg-type] # the names are ours, none is allow_pickle
 

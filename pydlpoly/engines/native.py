@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pydlpoly import _core
+from pydlpoly.engines.native_transport import make_transport
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.explain import PLANS
 from pydlpoly.scene.external import ON_CHARGES
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
-from pydlpoly.scene.model import Barostat, Bonded, BondedTerm, Electrostatics, PairTerm, Scene, Walls
+from pydlpoly.scene.model import Barostat, Bonded, BondedTerm, Electrostatics, Heat, ManyBody, PairTerm, Scene, Walls
 
 _PRECISIONS = {
     "double": _core.Precision.double_precision,
@@ -44,6 +45,9 @@ class Totals:
         constraint: (3, 3) Σ F_a r_b of the forces that keep the lengths of constraints.
         field_energy: of external fields that have one, internal energy.
         charge_energy: of the electrostatics; ``charge``: (3, 3) its Σ F_a r_b.
+        internal_energy: Σ C_v T of beads that carry heat. ``heat_balance``: what makes its sum with potential and
+            kinetic energy a constant: less what sources and beads of held temperature gave, and what drag and noise
+            do in half kicks that internal energies were already charged for.
         bonded_energies: (5,) of bonds, angles, dihedrals, inversions, tethers; ``bonded``: (5, 3, 3) their Σ F_a r_b.
     """
 
@@ -61,6 +65,8 @@ class Totals:
     thermostat_energy: float = 0.0
     constraint: FloatArray = dataclasses.field(default_factory=lambda: np.zeros((3, 3)))
     field_energy: float = 0.0
+    internal_energy: float = 0.0
+    heat_balance: float = 0.0
 
 
 def default_threads() -> int:
@@ -82,7 +88,7 @@ class NativeEngine:
     """
 
     def __init__(self, scene: Scene, *, seed: int, threads: int, cell_width: float = 0.0) -> None:
-        self.threads = threads
+        self.threads, self._scene = threads, scene
         self._tail = long_range_tail(scene)
         beads = scene.beads
         velocities = np.zeros((len(beads), 3)) if beads.velocities is None else beads.velocities
@@ -105,6 +111,14 @@ class NativeEngine:
             self.system.heat_capacities = beads.heat_capacity.tolist()
         if beads.concentrations is not None:
             self.system.concentrations = beads.concentrations
+        if scene.many_body is not None:
+            _set_many_body(self.system, scene.many_body)
+        self.transport = None if scene.transport is None else make_transport(scene, scene.transport)
+        if self.transport is not None:
+            self.transport.join(self.system)
+        self._heat = scene.heat is not None
+        if scene.heat is not None:
+            self._set_heat(scene, scene.heat)
         if scene.bonded is not None:
             self.system.set_bonded(_bonded_terms(scene, scene.bonded), scene.bonded.excluded.tolist())
         if scene.electrostatics is not None:
@@ -139,8 +153,24 @@ class NativeEngine:
         except ValueError as error:
             raise SceneError(str(error)) from error
 
+    def _set_heat(self, scene: Scene, heat: Heat) -> None:
+        pairs = _core.HeatPairs(len(scene.species), heat.reference, scene.dynamics.weight_exponent)
+        for term in heat.terms:
+            a, b = term.species
+            polynomials = (list(term.weight), list(term.conduction), list(term.drag))
+            pairs.set(a, b, term.conductivity, term.range, term.exponent, *polynomials)
+        pairs.held = np.isin(scene.beads.species, heat.held).tolist()
+        pairs.scaled_repulsion = heat.scaled_repulsion
+        sources = [(source.kind, list(source.numbers), source.rate) for source in heat.sources]
+        _core.set_heat(self.system, pairs, heat.viscous_heating == "conserving", sources)
+
     def start(self, scene: Scene) -> None:
         """Give the beads the velocities that the scene's start asks for, and compute the first forces."""
+        self.prepare(scene)
+        self.initialise()
+
+    def prepare(self, scene: Scene) -> None:
+        """Give the beads the velocities that the scene's start asks for."""
         if self._constrained:
             self.system.meet_constraints()
             self.system.images = np.zeros((scene.bead_count, 3), dtype=np.int32)  # displacements count from here
@@ -152,7 +182,15 @@ class NativeEngine:
                 self.system.remove_drift()
             if scene.run.start == "rescale":
                 self.system.rescale_velocities()
-        self.initialise()
+
+    @property
+    def heat_account(self) -> tuple[float, float]:
+        """What sources and held beads gave since the start, and work that beads were charged for ahead (energy)."""
+        return _core.heat_account(self.system)
+
+    @heat_account.setter
+    def heat_account(self, account: tuple[float, float]) -> None:
+        _core.set_heat_account(self.system, *account)
 
     def meet_constraints(self) -> None:
         """Bring positions to the lengths of constraints, and take out of velocities what would change them."""
@@ -171,16 +209,35 @@ class NativeEngine:
         _core.set_threads(self.threads)
         self.system.run(steps)
 
+    def exchange(self, temperatures: FloatArray | None, concentrations: FloatArray | None) -> None:
+        """Replace what beads carry between two steps; the forces stay those of the last one.
+
+        Args:
+            temperatures: (N,) as k_B T; concentrations: (N, species). None keeps them.
+        """
+        system = self.system
+        system.exchange(
+            system.bead_temperatures if temperatures is None else temperatures.tolist(),
+            system.concentrations if concentrations is None else concentrations,
+        )
+
     def totals(self) -> Totals:
         """Return what was observed at the last observed step."""
         system = self.system
         energy, virial = (x / system.volume for x in self._tail)
+        kinetic = np.asarray(system.kinetic_tensor)
+        internal = balance = 0.0
+        if self._heat:
+            supplied, ahead = _core.heat_account(system)
+            internal = float(_core.internal_energy(system))
+            # Some integrators report the velocities in the middle of the step; the balance is that of its end.
+            balance = ahead - supplied + _core.present_kinetic_energy(system) - 0.5 * float(np.trace(kinetic))
         return Totals(
             pair_energy=system.pair_energy + energy,
             conservative=system.conservative_virial_tensor - np.eye(3) * (virial / 3.0),
             drag=system.drag_virial_tensor,
             noise=system.noise_virial_tensor,
-            kinetic=system.kinetic_tensor,
+            kinetic=kinetic,
             momentum=system.momentum,
             volume=system.volume,
             bonded_energies=np.array(system.bonded_energies),
@@ -190,6 +247,8 @@ class NativeEngine:
             thermostat_energy=float(system.thermostat_energy),
             constraint=np.asarray(system.constraint_virial_tensor),
             field_energy=float(system.field_energy),
+            internal_energy=internal,
+            heat_balance=balance,
         )
 
     def configurational(self) -> tuple[float, float]:
@@ -206,9 +265,21 @@ class NativeEngine:
         kinetic, conservative, bonded, beads = self.system.stress_profile(axis, layers)
         return np.asarray(kinetic), np.asarray(conservative), np.asarray(bonded), np.asarray(beads)
 
+    def local_densities(self) -> FloatArray:
+        """Return the local densities (N,) at the last evaluation of forces. Raises ValueError without ``mdpd``."""
+        return np.asarray(self.system.local_densities())
+
     def distance_counts(self, bins: int, species: int) -> NDArray[np.int64]:
         """Return pair distance counts, (species, species, bins), pairs counted once under a ≤ b."""
         return np.asarray(self.system.distance_counts()).reshape(species, species, bins)
+
+    def plan(self) -> list[str]:
+        """Return in words how steps are computed."""
+        return _plan_of(self.system.plan(), self._scene)
+
+    def notes(self) -> list[str]:
+        """Return what a user should know about results of this engine: nothing, the scene's notes say it all."""
+        return []
 
 
 def _pair_table(scene: Scene) -> _core.PairTable:
@@ -229,6 +300,15 @@ def _pair_table(scene: Scene) -> _core.PairTable:
             names = f"{scene.species[a]} {scene.species[b]}"
             raise SceneError(f"pair {names}: {error}") from error
     return table
+
+
+def _set_many_body(system: _core.System, given: ManyBody) -> None:
+    pairs = [(*term.species, (term.height, term.exponent, term.range, term.push)) for term in given.terms]
+    kernel = "lucy" if given.kernel == "lucy" else "power"
+    try:
+        system.set_many_body(kernel, given.strength, list(given.powers), pairs)
+    except ValueError as error:
+        raise SceneError(str(error)) from error
 
 
 def _bonded_terms(scene: Scene, bonded: Bonded) -> _core.BondedTerms:
@@ -337,9 +417,13 @@ def _tail_of(term: PairTerm) -> tuple[float, float]:
 def plan(scene: Scene) -> list[str]:
     """Return in words how the scene's steps will be computed: path, instruction set, precision."""
     try:
-        path, reason = NativeEngine(scene, seed=0, threads=1).system.plan().split(": ", 1)
+        return NativeEngine(scene, seed=0, threads=1).plan()
     except (SceneError, ValueError) as error:  # the second when PYDLPOLY_SIMD names what is not there
         return [f"none: {error}"]
+
+
+def _plan_of(words: str, scene: Scene) -> list[str]:
+    path, reason = words.split(": ", 1)
     precision = scene.dynamics.precision
     if path == "fast":
         arithmetic = "single" if precision == "mixed" else "double"

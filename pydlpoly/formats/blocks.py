@@ -86,6 +86,16 @@ class BlockSums:
         self._sums = np.array(state["sums"], dtype=np.float64)
 
 
+def block_means(values: FloatArray) -> FloatArray:
+    """Return the averages over blocks that ``BlockSums`` would have after these samples, (n,) or (n, quantities)."""
+    length = 1
+    while len(values) > length * _CAPACITY:
+        length *= 2
+    full = values[: len(values) // length * length]
+    means: FloatArray = full.reshape(-1, length, *values.shape[1:]).mean(axis=1)
+    return means
+
+
 def standard_error(series: FloatArray) -> float:
     """Return the standard error of the mean of values of consecutive blocks, not a number when there are too few.
 

@@ -60,9 +60,16 @@ COLUMNS = (
     *(Column(f"momentum_{axis}", "momentum", f"total momentum along {axis}", 16) for axis in "xyz"),
     Column("momentum_drift", "momentum", "length of total momentum less that of the first record"),
 )
-"""All columns in the order of the file."""
+"""Columns of every file, in their order."""
 
-_DRIFTS = ("energy_drift", "momentum_drift")
+HEAT_COLUMNS = (
+    Column("internal_temperature", "temperature", "internal energy over the heat capacity of all beads"),
+    Column("internal_energy", "energy", "internal energy per bead", 16),
+    Column("conserved_energy", "energy", "what is conserved, per bead (heat.md)", 16),
+    Column("conserved_drift", "energy", "the same less that of the first record"),
+)
+"""Columns that follow where beads carry heat."""
+
 _MOMENTA = ("momentum_x", "momentum_y", "momentum_z")
 _TIME_AND_MECHANICS = {
     "time": "ps",
@@ -78,6 +85,7 @@ class DiagnosticsWriter:
     Args:
         path: the file.
         units: unit words for "temperature", "energy" and "pressure"; None in reduced units.
+        heat: beads carry heat, and ``HEAT_COLUMNS`` follow.
         append: go on with an existing file; a line that a kill cut short is dropped.
         keep_until: with ``append``, drop lines of later steps.
 
@@ -91,15 +99,17 @@ class DiagnosticsWriter:
         path: PathLike,
         units: Mapping[str, str] | None = None,
         *,
+        heat: bool = False,
         append: bool = False,
         keep_until: int | None = None,
     ) -> None:
         """Open the file; see the class."""
         self._path = os.fspath(path)
         self._first: dict[str, float] | None = None
-        words = _words(units)
+        self._columns = (*COLUMNS, *HEAT_COLUMNS) if heat else COLUMNS
+        words = _words(units, self._columns)
         # Right-aligned; a column is as wide as its word or as sign, digits and exponent, whichever is longer.
-        self._widths = [max(len(word), column.digits + 8) for word, column in zip(words, COLUMNS, strict=True)]
+        self._widths = [max(len(word), column.digits + 8) for word, column in zip(words, self._columns, strict=True)]
         cells = [word.rjust(width) for word, width in zip(words, self._widths, strict=True)]
         header = ("#" + " ".join(cells) + "\n").encode("ascii")
         self._file = FrameFile(
@@ -121,10 +131,12 @@ class DiagnosticsWriter:
             "energy_drift": values["energy"] - first["energy"],
             "momentum_drift": float(np.sqrt(sum(x * x for x in moved))),
         }
+        if "conserved_energy" in values:
+            drifts["conserved_drift"] = values["conserved_energy"] - first["conserved_energy"]
         every = {**values, **drifts}
         cells = [
             f"{every[column.name]:{width}.{column.digits}e}"
-            for column, width in zip(COLUMNS[1:], self._widths[1:], strict=True)
+            for column, width in zip(self._columns[1:], self._widths[1:], strict=True)
         ]
         self._file.write((" ".join([f" {step:{self._widths[0]}d}", *cells]) + "\n").encode("ascii"))
 
@@ -155,11 +167,11 @@ class DiagnosticsWriter:
             raise InputError("cannot be continued: it has other columns or units than this run", path=self._path)
         kept = len(header)
         for number, line in enumerate(lines[1:], 2):
-            row = _numbers(line.decode("latin-1"), len(COLUMNS), self._path, number)
+            row = _numbers(line.decode("latin-1"), len(self._columns), self._path, number)
             if keep_until is not None and row[0] > keep_until:
                 break
             if self._first is None:
-                self._first = {column.name: value for column, value in zip(COLUMNS, row, strict=True)}
+                self._first = {column.name: value for column, value in zip(self._columns, row, strict=True)}
             kept += len(line) + 1
         return kept
 
@@ -168,7 +180,8 @@ def read_diagnostics(path: PathLike) -> dict[str, NDArray[Any]]:
     """Read DIAGNOSTICS; a last line that a kill cut short is left out.
 
     Returns:
-        The columns by name (``COLUMNS``), each of one value a record; "step" holds whole numbers.
+        The columns by name (``COLUMNS``, and ``HEAT_COLUMNS`` where beads carry heat), each of one value a record;
+        "step" holds whole numbers.
 
     Raises:
         InputError: the file is missing or is no such file.
@@ -186,11 +199,11 @@ def read_diagnostics(path: PathLike) -> dict[str, NDArray[Any]]:
     return columns
 
 
-def _words(units: Mapping[str, str] | None) -> list[str]:
+def _words(units: Mapping[str, str] | None, columns: Sequence[Column]) -> list[str]:
     """Return ``name[unit]`` of each column, ``name`` where there is no unit."""
     known = {} if units is None else {**_TIME_AND_MECHANICS, **units}
-    found = [known.get(column.kind, "").replace(" ", "_") for column in COLUMNS]
-    return [f"{column.name}[{unit}]" if unit else column.name for column, unit in zip(COLUMNS, found, strict=True)]
+    found = [known.get(column.kind, "").replace(" ", "_") for column in columns]
+    return [f"{column.name}[{unit}]" if unit else column.name for column, unit in zip(columns, found, strict=True)]
 
 
 def _numbers(line: str, count: int, path: str, number: int) -> list[float]:

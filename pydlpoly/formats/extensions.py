@@ -11,7 +11,10 @@ from pydlpoly.formats.field_lines import FieldLines
 from pydlpoly.formats.lexing import Line
 from pydlpoly.formats.records import Extension
 
-EXTENSIONS: dict[str, str] = {}
+EXTENSIONS: dict[str, str] = {
+    "heat": "beads that carry heat: internal temperatures, conduction, viscous heating, sources (heat.md)",
+    "transport": "dissolved species that beads carry: exchange between neighbours, sources, reactions",
+}
 """Name of every kind of block, and what it describes."""
 
 

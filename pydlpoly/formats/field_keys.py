@@ -125,7 +125,7 @@ PAIR_KEYS = frozenset(
         "tab",
     ]
 )
-"""Pair laws by their first four letters; ``mdpd`` is in DL_POLY's newest manual only."""
+"""Pair laws by their first four letters; DL_POLY has ``mdpd`` since its manual of 2024."""
 
 EXTERNAL_KEYS = frozenset(
     ["elec", "oshr", "shrx", "grav", "magn", "sphr", "zbnd", "xpis", "zres", "zrs-", "zrs+", "osel", "ushr", "pois"]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterable
 from dataclasses import fields
 from itertools import islice
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 
@@ -22,9 +23,9 @@ _CHUNK = 2_000  # beads whose lines are held at the same time
 class Lines:
     """Lines of a file with their numbers, and room to give some back."""
 
-    def __init__(self, handle: IO[str], path: str) -> None:
+    def __init__(self, handle: Iterable[str], path: str) -> None:
         self.path, self.number = path, 0
-        self._handle = handle
+        self._handle = iter(handle)
         self._returned: list[str] = []
         self._warned: set[str] = set()
 
@@ -50,7 +51,7 @@ class Lines:
         """Say something about the file at the present line, once."""
         if message not in self._warned:
             self._warned.add(message)
-            warnings.warn(InputWarning(f"{self.path}:{self.number}: {message.format(value)}"), stacklevel=4)
+            warnings.warn(InputWarning(f"{self.path}:{self.number}: {message.format(value)}"), stacklevel=5)
 
 
 def plain_beads(lines: Lines, count: int, level: int) -> tuple[list[Beads], int]:

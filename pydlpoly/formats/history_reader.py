@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
@@ -64,23 +64,27 @@ def read_history(path: PathLike) -> Iterator[Frame]:
     Raises:
         InputError: the file is missing, is not a HISTORY file, or holds words where numbers should be.
     """
-    name = os.fspath(path)
     with _open(path) as handle:
-        lines = Lines(handle, name)
-        header = _header(lines)
-        if header.level == 3:
-            yield from compressed_frames(lines, header.beads, header.imcon)
-            return
-        while (line := lines.next()) is not None:
-            if not line.strip():
-                continue
-            if not line.startswith("timestep"):
-                raise InputError("expected 'timestep'", path=name, line=lines.number, word=line.strip()[:20])
-            frame = _frame(lines, line, header)
-            if frame is None:
-                warnings.warn(InputWarning(f"{name}:{lines.number}: a frame is cut short and left out"), stacklevel=2)
-            else:
-                yield frame
+        yield from read_history_lines(handle, os.fspath(path))
+
+
+def read_history_lines(handle: Iterable[str], name: str) -> Iterator[Frame]:
+    """Read the lines of a HISTORY file, or of a part of one with its header, as ``read_history`` does."""
+    lines = Lines(handle, name)
+    header = _header(lines)
+    if header.level == 3:
+        yield from compressed_frames(lines, header.beads, header.imcon)
+        return
+    while (line := lines.next()) is not None:
+        if not line.strip():
+            continue
+        if not line.startswith("timestep"):
+            raise InputError("expected 'timestep'", path=name, line=lines.number, word=line.strip()[:20])
+        frame = _frame(lines, line, header)
+        if frame is None:
+            warnings.warn(InputWarning(f"{name}:{lines.number}: a frame is cut short and left out"), stacklevel=3)
+        else:
+            yield frame
 
 
 def _open(path: PathLike) -> IO[str]:

@@ -22,6 +22,7 @@ from pydlpoly.formats.averages import RollingAverages, RunningAverages
 from pydlpoly.formats.blocks import Estimate
 from pydlpoly.formats.fortran import fortran_e, fortran_f, fortran_i
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.formats.species_balance import SpeciesBalance, balance_text
 
 __all__ = ["OutputWriter", "RollingAverages", "RunSummary", "RunningAverages"]
 
@@ -58,6 +59,7 @@ class RunSummary:
         thermostat_temperature: None without a thermostat, or when it varies.
         energy_drift: of the total energy per bead and unit of time, in nve runs.
         stress_estimates: what was made of samples of the stress: name, estimate and unit.
+        species_balance: amounts of dissolved species, and where they came from.
     """
 
     steps: int
@@ -80,6 +82,7 @@ class RunSummary:
     thermostat_temperature: float | None = None
     energy_drift: Estimate | None = None
     stress_estimates: Sequence[tuple[str, Estimate, str]] = ()
+    species_balance: Sequence[SpeciesBalance] = ()
 
 
 class OutputWriter:
@@ -132,17 +135,27 @@ class OutputWriter:
         """Say that the run continues from a checkpoint, and with which version."""
         self.text(f"continues from step {step} with pydlpoly {version}")
 
-    def block(self, step: int, time: float, elapsed: float, values: ArrayLike, averages: ArrayLike) -> None:
+    def block(
+        self,
+        step: int,
+        time: float,
+        elapsed: float,
+        values: ArrayLike,
+        averages: ArrayLike,
+        more: Sequence[tuple[str, float]] = (),
+    ) -> None:
         """Write one print-out: instantaneous values and rolling averages, under a header every 8 print-outs.
 
         Args:
             step, time: of the step; time in ps.
             elapsed: seconds since the start.
             values, averages: at least 27 numbers in the order of ``STATISTICS_NAMES``.
+            more: words and numbers of this step that follow, as scenes have them that model more.
         """
         starts = (fortran_i(step, 13), fortran_f(time, 13, 5), fortran_f(elapsed, 13, 3))
         header = self._header() if self._prints % HEADER_EVERY == 0 else ""
         body = _lines(starts, values) + "\n" + _lines(_labels("rolling", "averages", ""), averages)
+        body += "".join(f"{name:>30}{fortran_e(value, 24, 16)}\n" for name, value in more)
         self._write(header + body + RULE)
         self._prints += 1
 
@@ -154,6 +167,7 @@ class OutputWriter:
             if summary.diffusion:
                 pieces.append(_diffusion(summary.diffusion, reduced=not self._time))
         pieces += [self._temperatures(summary), self._energy_drift(summary), _stress_estimates(summary)]
+        pieces.append(balance_text(summary.species_balance))
         if summary.warnings:
             pieces.append("Warnings of this run:\n" + "".join(f"  {_one_line(w)}\n" for w in summary.warnings) + "\n")
         pieces.append(_timings(summary))

@@ -331,6 +331,39 @@ class BondedTable:
     line: int = 0
 
 
+@dataclass(frozen=True, eq=False)
+class BeadTable:
+    """A BEADS file: what beads carry beside position and velocity, in the order of the bead indices.
+
+    Attributes:
+        names: of the columns, "temperature" or "concentration_" and the name of a dissolved species.
+        values: (N, columns), temperatures in K (reduced numbers with FIELD's ``units dpd``).
+        rows: (N,) where in its source each bead stands, from 0; None when the beads stand in order.
+        first_line: line of the first bead in the file, 0 when the table was made by a program.
+    """
+
+    names: tuple[str, ...]
+    values: FloatArray
+    title: str = ""
+    rows: IntArray | None = None
+    path: str = "BEADS"
+    first_line: int = 0
+
+    def place_of(self, bead: int) -> tuple[int, int | None]:
+        """Return the number that the source gives to a bead counted from 0, and its line if there are lines."""
+        row = bead if self.rows is None else int(self.rows[bead])
+        return (bead + 1, self.first_line + row) if self.first_line else (row + 1, None)
+
+    def __eq__(self, other: object) -> bool:
+        """Compare title, names and values."""
+        if not isinstance(other, BeadTable):
+            return NotImplemented
+        same = (self.title, self.names) == (other.title, other.names)
+        return same and np.array_equal(self.values, other.values)
+
+    __hash__ = None  # type: ignore[assignment]  # arrays are not hashable
+
+
 def _same(a: FloatArray | None, b: FloatArray | None) -> bool:
     if a is None or b is None:
         return a is b

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from pydlpoly.formats.atomic import PathLike, replace_file
+from pydlpoly.errors import InputError
+from pydlpoly.formats.atomic import PathLike, read_text, replace_file
 from pydlpoly.formats.blocks import Estimate
 from pydlpoly.formats.records import FloatArray
 
@@ -72,3 +75,50 @@ def write_profile(path: PathLike, table: ProfileTable) -> None:
 
 def _estimate(estimate: Estimate) -> str:
     return f"{estimate.value:.6g} +- {estimate.error:.2g}"
+
+
+_HEAD = re.compile(r"^# (?P<title>.*): stress in \d+ layers along (?P<axis>[xyz]), (?P<samples>\d+) samples$")
+_TENSION = re.compile(r"^# surface tension in (\S+): (\S+) \+- (\S+) from the layers, (\S+) \+- (\S+) from the whole")
+
+
+def read_profile(path: PathLike) -> ProfileTable:
+    """Read a STRPRF file; its estimates do not say from how many blocks they are.
+
+    Raises:
+        InputError: the file is missing or is no STRPRF.
+    """
+    name = os.fspath(path)
+    lines = read_text(path).splitlines()
+    head = _HEAD.match(lines[0]) if lines else None
+    tension = _TENSION.match(lines[2]) if len(lines) > 3 else None
+    if head is None or tension is None:
+        raise InputError("is no STRPRF of pydlpoly: expected its four header lines", path=name, line=1)
+    columns = lines[3].removeprefix("# ").split()
+    units = lines[1].replace(",", "").split()
+    try:
+        table = np.array([[float(word) for word in line.split()] for line in lines[4:]]).reshape(-1, len(columns))
+    except ValueError:
+        raise InputError(f"expected rows of {len(columns)} numbers", path=name, line=5) from None
+    samples = int(head["samples"])
+    numbers = [float(word) for word in tension.groups()[1:]]
+    of_layers, of_cell = (Estimate(value, error, samples, 0) for value, error in (numbers[:2], numbers[2:]))
+    parts = list(dict.fromkeys(word[: -len("_xx")] for word in columns if word.endswith("_xx")))
+    return ProfileTable(
+        title=head["title"],
+        axis=head["axis"],
+        samples=samples,
+        pressure_unit=units[3],
+        length_unit=units[6],
+        tension_unit=tension[1],
+        tension=of_layers,
+        cell_tension=of_cell,
+        heights=table[:, 0],
+        normal=table[:, 1],
+        normal_error=table[:, 2],
+        lateral=table[:, 3],
+        lateral_error=table[:, 4],
+        parts={part: table[:, [columns.index(f"{part}_{place}") for place in _PLACES]] for part in parts},
+        densities={
+            word.removeprefix("density_"): table[:, k] for k, word in enumerate(columns) if word.startswith("density_")
+        },
+    )

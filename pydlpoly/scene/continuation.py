@@ -41,6 +41,9 @@ def check_continues(stored: Scene, scene: Scene, path: str, cells: tuple[FloatAr
     shapes = {stored.imcon, scene.imcon}  # a cube may become an orthorhombic cell, and a cell with equal edges a cube
     if not (len(shapes) == 1 or shapes == {1, 2}) or not any(same):
         raise InputError("holds another cell than the scene to go on with", path=path)
+    dissolved = [None if one.transport is None else one.transport.species for one in (stored, scene)]
+    if dissolved[0] != dissolved[1]:
+        raise InputError("holds other dissolved species than the scene to go on with", path=path)
     _check_bins(stored, scene, path)
     _check_samples(stored, scene, path)
 

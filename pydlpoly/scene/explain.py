@@ -10,11 +10,14 @@ import numpy as np
 
 from pydlpoly import _core
 from pydlpoly.formats.records import FloatArray
-from pydlpoly.scene import explain_bonded
+from pydlpoly.scene import explain_bonded, explain_heat, explain_transport
+from pydlpoly.scene.beads_state import carried_names
+from pydlpoly.scene.bins import quantities_of
 from pydlpoly.scene.cell import widths
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
 from pydlpoly.scene.laws import pair_laws
-from pydlpoly.scene.model import CorrelationPlan, Note, PairTerm, ProfilePlan, Scene
+from pydlpoly.scene.model import CorrelationPlan, Heat, Note, PairTerm, ProfilePlan, Scene
+from pydlpoly.scene.transport_terms import Transport
 from pydlpoly.trajectories import FORMATS
 from pydlpoly.units import BOLTZMANN
 
@@ -40,8 +43,14 @@ _BYTES_PER_BEAD = 200
 PLANS: list[Callable[[Scene], list[str]]] = []
 
 
-def explain(scene: Scene) -> str:
-    """Return the scene as text of at most 100 columns (more only where a file's name is longer)."""
+def explain(scene: Scene, plan: Sequence[str] | None = None, notes: Sequence[str] = ()) -> str:
+    """Return the scene as text of at most 100 columns (more only where a file's name is longer).
+
+    Args:
+        scene: what is explained.
+        plan: how an engine computes it (default: as the native engine would).
+        notes: what that engine says about its results.
+    """
     sections = [
         ("Scene", _title(scene)),
         ("System", _system(scene)),
@@ -49,8 +58,10 @@ def explain(scene: Scene) -> str:
         ("Pair table", _pairs(scene)),
         ("Bonded terms", _bonded(scene)),
         ("Electrostatics", _electrostatics(scene)),
+        *([("Heat", _heat(scene, scene.heat))] if scene.heat is not None else []),
+        *([] if scene.transport is None else [("Dissolved species", _transport(scene, scene.transport))]),
         ("Cutoffs and link cells", _cutoffs(scene)),
-        ("Plan", _plan(scene)),
+        ("Plan", [*(_plan(scene) if plan is None else plan), *notes]),
         ("Long-range correction", _long_range(scene)),
         ("External fields", _external(scene)),
         ("Run", _run(scene)),
@@ -253,7 +264,42 @@ def _pairs(scene: Scene) -> list[str]:
         "where the numbers come from:",
         *texts,
         *(f"{key}: {description}" for key, description in laws.items()),
+        *_many_body(scene),
     ]
+
+
+def _many_body(scene: Scene) -> list[str]:
+    """Local densities and what they do to the pairs of the law mdpd."""
+    given, units, word = scene.many_body, scene.field_units or scene.units, _Words(scene)
+    if given is None:
+        return []
+    two = given.form == "two-density"
+    names = [f"{scene.species[a]}-{scene.species[b]}" for a, b in (term.species for term in given.terms)]
+    kernels = {
+        "warren": "W(0) (1 - r/rd)^n, the energy of a bead C rho^m/m",
+        "lucy": "W(0) (1 + 3r/rd)(1 - r/rd)^3, forces B (rho_i + rho_j)(1 - r/rd) without an energy",
+    }
+    energy = f" {units.label}" if units.label and not two else ""
+    texts = [
+        f"local densities over {', '.join(names)}: {kernels[given.kernel]} ({given.kernel}, {given.explanation}); "
+        f"{given.form} form, B = {given.repulsion / units.factor:.6g}{energy} for all pairs",
+    ]
+    heights = {f"W(0) = {t.height:.6g}, n = {t.exponent:g}, rd = {t.range:g}{word.length}": None for t in given.terms}
+    if len(heights) == 1:
+        texts.append(next(iter(heights)))
+    else:
+        texts += [
+            f"{name}: W(0) = {t.height:.6g}, n = {t.exponent:g}, rd = {t.range:g}{word.length}"
+            for name, t in zip(names, given.terms, strict=True)
+        ]
+    if given.kernel == "warren":
+        powers = dict.fromkeys(given.powers)
+        of_species = ", ".join(f"{m:g} for {name}" for name, m in zip(scene.species, given.powers, strict=True))
+        texts.append(
+            f"C = {given.strength / units.factor:.6g}, m = "
+            + (f"{given.powers[0]:g}" if len(powers) == 1 else of_species)
+        )
+    return [line for text in texts for line in _wrap(text)]
 
 
 def _parameters(term: PairTerm, factor: float) -> str:
@@ -315,6 +361,21 @@ def _electrostatics(scene: Scene) -> list[str]:
     if frozen:
         texts.append(f"{frozen} of the charged beads are frozen; what acts between them is in no energy or pressure")
     return [line for text in texts for line in _wrap(text)]
+
+
+def _heat(scene: Scene, heat: Heat) -> list[str]:
+    table = _table(*explain_heat.headers_and_rows(scene, heat)) if heat.terms else []
+    return [*table, *(line for text in explain_heat.sentences(scene, heat) for line in _wrap(text))]
+
+
+def _transport(scene: Scene, transport: Transport) -> list[str]:
+    table = _table(*explain_transport.headers_and_rows(scene, transport)) if transport.fluxes else []
+    texts = explain_transport.sentences(scene, transport)
+    return [
+        "C is an amount a bead; dC = -kappa w^2 (Ci - Cj) dt between beads, w^2 = (1 - r/range)^exponent",
+        *table,
+        *(line for text in texts for line in _wrap(text)),
+    ]
 
 
 def _cutoffs(scene: Scene) -> list[str]:
@@ -439,7 +500,8 @@ def _output(scene: Scene) -> list[str]:
     trajectory = f"{level[plan.trajectory_level]} from step {plan.trajectory_start}"
     yaml = " as YAML" if plan.statistics_yaml else ""
     pairs = ", ".join("-".join(scene.species[k] for k in pair) for pair in plan.rdf_pairs)
-    last = [name for name in (plan.configuration_file, plan.checkpoint_file) if name]
+    beads_file = plan.beads_file if carried_names(scene) else None
+    last = [name for name in (plan.configuration_file, beads_file, plan.checkpoint_file) if name]
     dump = f" and {_every(plan.checkpoint_every)}" if plan.checkpoint_every else ""
     files = [
         (plan.output_file, plan.print_every, f"report, rolling averages over {plan.stack_size} steps"),
@@ -461,6 +523,7 @@ def _output(scene: Scene) -> list[str]:
             plan.vaf_every,
             f"a sample over {plan.vaf_steps} steps begins, {'averaged' if plan.vaf_averaging else 'each written'}",
         ),
+        *_bins(scene),
         (plan.msd_file, plan.msd_every, f"displacement and temperature of every bead from step {plan.msd_start}"),
     ]
     files += [_profile(plan.profile), _correlations(plan.correlations)]
@@ -475,6 +538,15 @@ def _output(scene: Scene) -> list[str]:
     if silent:
         flat.append(f"not written: {', '.join(silent)}")
     return flat or ["nothing is written"]
+
+
+def _bins(scene: Scene) -> list[tuple[str | None, int, str]]:
+    files = []
+    for what, plan in (("profiles", scene.output.bead_profile), ("maps", scene.output.bead_map)):
+        bins, axes = " x ".join(str(count) for count in plan.bins), " and ".join(plan.axes)
+        names = ", ".join(quantities_of(scene, plan.quantities))
+        files.append((plan.file, plan.every, f"{what} along {axes} in {bins} bins: {names}"))
+    return files
 
 
 def _profile(plan: ProfilePlan) -> tuple[str | None, int, str]:

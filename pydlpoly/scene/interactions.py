@@ -13,6 +13,7 @@ from pydlpoly.scene.beads import Layout
 from pydlpoly.scene.cell import LONGEST
 from pydlpoly.scene.integrators import is_pairwise
 from pydlpoly.scene.laws import pair_laws
+from pydlpoly.scene.many_body_records import KEY, in_full
 from pydlpoly.scene.model import Dynamics, PairTerm
 from pydlpoly.scene.pairs import PairRules, PairTableBuilder
 from pydlpoly.scene.settings import Notes, Settings, place
@@ -129,8 +130,9 @@ def _with_thermostat(rules: PairRules, settings: Settings, cutoff: float, notes:
 def _note_drags_without_thermostat(field: Field, notes: Notes) -> None:
     for line in field.pairs:
         slot = pair_laws()[line.key].drag_slot
-        if slot and len(line.parameters) >= slot and line.parameters[slot - 1] != 0.0:
-            text = f"the drag {line.parameters[slot - 1]:g} of {'-'.join(line.species)} has no effect under nve"
+        numbers = in_full(line.parameters) if line.key == KEY else line.parameters
+        if slot and len(numbers) >= slot and numbers[slot - 1] != 0.0:
+            text = f"the drag {numbers[slot - 1]:g} of {'-'.join(line.species)} has no effect under nve"
             notes.ignored(text, place(field.path, line.line))
 
 

@@ -9,6 +9,7 @@ from functools import lru_cache
 from pydlpoly import _core
 from pydlpoly.errors import SceneError, suggest
 from pydlpoly.formats.records import Field, PairLine
+from pydlpoly.scene import many_body_records
 from pydlpoly.scene.cell import LONGEST
 from pydlpoly.scene.settings import Notes, place
 
@@ -103,10 +104,13 @@ def read_entry(line: PairLine, field: Field, factor: float, notes: Notes) -> Pai
     numbers = line.parameters
     if law.key == "wca" and len(numbers) == 2:
         numbers = (*numbers, 0.0)  # the manual gives the shift D a default of 0
+    if law.key == many_body_records.KEY:
+        numbers = many_body_records.in_full(numbers)
     count = len(law.parameter_names)
     if len(numbers) < count:
         names = " ".join(law.parameter_names)
-        raise _refusal(line, field, f"needs {count} numbers ({names}), found {len(line.parameters)}")
+        hint = many_body_records.HINT if law.key == many_body_records.KEY else ""
+        raise _refusal(line, field, f"needs {count} numbers ({names}{hint}), found {len(line.parameters)}")
     where = place(field.path, line.line)
     drag, drag_cutoff = _read_drag(law, numbers, line, field, where, notes)
     parameters = law.scaled(numbers[:count], factor)

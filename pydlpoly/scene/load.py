@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
 from pydlpoly.errors import InputError
+from pydlpoly.formats.beads_file import read_beads
 from pydlpoly.formats.bonded_table import TABLE_KINDS, read_bonded_tables, wanted_tables
 from pydlpoly.formats.config import read_config
 from pydlpoly.formats.control import read_control, value_in
 from pydlpoly.formats.field import looks_like_dl_meso_field, read_field
 from pydlpoly.formats.lexing import read_text
-from pydlpoly.formats.records import BondedTable, Configuration, Control, Field, PairTable
+from pydlpoly.formats.records import BeadTable, BondedTable, Configuration, Control, Field, PairTable, Remark
 from pydlpoly.formats.table import read_table
+from pydlpoly.scene.beads_state import STATE_EXTENSIONS
 from pydlpoly.scene.dl_meso import adapt, adapt_configuration, start_configuration
 from pydlpoly.scene.model import Scene
 from pydlpoly.scene.resolve import resolve
@@ -31,6 +34,7 @@ class Records(NamedTuple):
     tables: tuple[PairTable, ...]
     bonded_tables: tuple[BondedTable, ...]
     sources: tuple[str, ...]
+    bead_table: BeadTable | None = None
 
 
 def load(
@@ -39,6 +43,7 @@ def load(
     control: Path_ | Control | None = None,
     field: Path_ | Field | None = None,
     config: Path_ | Configuration | None = None,
+    beads: BeadTable | None = None,
     lenient: bool = False,
 ) -> Scene:
     """Read CONTROL, FIELD, CONFIG (and the tables of ``tab`` pairs and terms) and return the scene they describe.
@@ -57,13 +62,14 @@ def load(
         InputError: a file is missing or cannot be read as what it claims to be.
         SceneError: the files can be read, but do not make a scene; see ``resolve``.
     """
-    read = read_records(directory, control=control, field=field, config=config, lenient=lenient)
+    read = read_records(directory, control=control, field=field, config=config, beads=beads, lenient=lenient)
     return resolve(
         read.control,
         read.field,
         read.config,
         tables=read.tables,
         bonded_tables=read.bonded_tables,
+        bead_table=read.bead_table,
         sources=read.sources,
     )
 
@@ -74,6 +80,7 @@ def read_records(
     control: Path_ | Control | None = None,
     field: Path_ | Field | None = None,
     config: Path_ | Configuration | None = None,
+    beads: BeadTable | None = None,
     lenient: bool = False,
 ) -> Records:
     """Read the files of a run and return their records, DL_MESO's with its rules written out; as ``load``."""
@@ -92,14 +99,39 @@ def read_records(
     control, field = adapt(control, field)
     if config is None and _starts_without_config(folder, control):
         built = start_configuration(control, field)
-        return Records(control, field, built, *_with_tables(folder, control, field, (control.path, field.path)))
+        control, beads, paths = _beads(folder, control, field, beads, beside_config=True)
+        tables = _with_tables(folder, control, field, (control.path, field.path, *paths))
+        return Records(control, field, built, *tables, beads)
+    beside_config = not isinstance(config, Configuration)
     if not isinstance(config, Configuration):
         name = str(value_in(control, "io_file_config"))
         path = _find(folder, config, name, "the start configuration", "io_file_config or the argument config")
         config = _configuration(path, ignore_indices=bool(value_in(control, "ignore_config_indices")))
-    control, config = adapt_configuration(control, field, config)
-    sources = (control.path, field.path, config.path)
-    return Records(control, field, config, *_with_tables(folder, control, field, sources))
+    control, beads, paths = _beads(folder, control, field, beads, beside_config=beside_config)
+    control, adapted = adapt_configuration(control, field, config)
+    if beads is not None and adapted.names != config.names:
+        message = f"the beads of {config.path} outside molecules must stand species after species, as in {field.path}"
+        raise InputError(f"cannot be used: {message}", path=beads.path)
+    sources = (control.path, field.path, config.path, *paths)
+    return Records(control, field, adapted, *_with_tables(folder, control, field, sources), beads)
+
+
+def _beads(
+    folder: Path, control: Control, field: Field, given: BeadTable | None, *, beside_config: bool
+) -> tuple[Control, BeadTable | None, tuple[str, ...]]:
+    """Read BEADS where beads carry something, else note that it is there; a file that CONTROL names must be there."""
+    named = control.get("io_file_beads")
+    if given is not None or (named is None and not beside_config):
+        return control, given, ()
+    path = folder / str(value_in(control, "io_file_beads"))
+    if named is None and not path.exists():
+        return control, None, ()
+    if not any(block.name in STATE_EXTENSIONS for block in field.extensions):
+        text = f"{path.name} is not used: FIELD has no extension by which beads carry temperatures or concentrations"
+        remark = Remark("ignored", text, 0 if named is None else named.line)
+        return replace(control, remarks=(*control.remarks, remark)), None, ()
+    path = _find(folder, None, path.name if named is None else str(named.value), "what beads carry", "io_file_beads")
+    return control, read_beads(path), (str(path),)
 
 
 def _configuration(path: Path, *, ignore_indices: bool) -> Configuration:

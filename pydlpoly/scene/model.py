@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.scene.transport_terms import Transport
 
 if TYPE_CHECKING:
     from pydlpoly.units import EnergyUnit
@@ -104,6 +105,48 @@ class PairTerm:
     explanation: str = ""
     table: FloatArray | None = None
     table_spacing: float = 0.0
+
+
+@dataclass(frozen=True)
+class DensityTerm:
+    """What two species are to each other's local densities in many-body DPD.
+
+    Attributes:
+        species: indices a ≤ b into ``Scene.species``.
+        height: W(0) of the kernel.
+        exponent: n of W(0) (1 − r/r_d)^n; 2 with Lucy's kernel, whose shape it does not tell.
+        range: r_d (Å).
+        push: k of the force k (φ_i + φ_j)(1 − r/r_d)^(n − 1), where φ is ψ'(ρ̄), or ρ̄ with Lucy's kernel.
+    """
+
+    species: tuple[int, int]
+    height: float
+    exponent: float
+    range: float
+    push: float
+
+
+@dataclass(frozen=True)
+class ManyBody:
+    """Many-body DPD: the energy Σ ψ(ρ̄_i) of local densities ρ̄_i = Σ W(r_ij) over all neighbours.
+
+    Attributes:
+        kernel: "warren" (ψ = C ρ̄^m/m, W = W(0)(1 − r/r_d)^n) or "lucy" (forces only, no energy).
+        form: "two-density" (densities per volume, Å⁻³) or "generalised" (times r_c³ of the pair, without unit).
+        repulsion: B as FIELD gives it, internal units.
+        strength: C, internal units; 0 with Lucy's kernel.
+        powers: m by species.
+        terms: by pair of species that has the law mdpd.
+        explanation: where the kernel comes from.
+    """
+
+    kernel: Literal["warren", "lucy"]
+    form: Literal["two-density", "generalised"]
+    repulsion: float
+    strength: float
+    powers: tuple[float, ...]
+    terms: tuple[DensityTerm, ...]
+    explanation: str = ""
 
 
 @dataclass(frozen=True)
@@ -236,6 +279,64 @@ class Electrostatics:
     counts: tuple[int, int, int] = (0, 0, 0)
     order: int = 0
     origins: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class HeatTerm:
+    """What internal temperatures do between two species; x = T̄/T_ref − 1 of the pair's mean temperature.
+
+    Attributes:
+        species: indices a ≤ b into ``Scene.species``.
+        conductivity: κ₀, 1/ps; ``range``: r_cT, Å (0 without conduction); ``exponent``: of w_T² = (1 − r/r_cT)^s.
+        weight, conduction, drag: c₁ … c₄ of the factors 1 + Σ c_k x^k of the exponent of w^D, of κ and of γ.
+        explanation: where the numbers come from ("FIELD:12").
+    """
+
+    species: tuple[int, int]
+    conductivity: float
+    range: float
+    exponent: float
+    weight: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    conduction: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    drag: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    explanation: str = ""
+
+
+@dataclass(frozen=True)
+class HeatSource:
+    """A source (or sink) of heat.
+
+    ``numbers`` are x0 x1 y0 y1 z0 z1 of a "box", x y z R of a "sphere" (Å from the cell's centre) and the index of a
+    "species"; ``rate`` is d(k_B T)/dt of the beads there, internal energy per ps.
+    """
+
+    kind: Literal["box", "sphere", "species"]
+    numbers: tuple[float, ...]
+    rate: float
+    explanation: str = ""
+
+
+@dataclass(frozen=True)
+class Heat:
+    """Beads carry heat: C_v T each, with the start values and capacities of ``Beads``.
+
+    Attributes:
+        terms: of the pairs that FIELD's block gives; others neither conduct nor depend on temperature.
+        sources: what brings heat from outside.
+        held: species whose beads keep their temperature.
+        reference: k_B T_ref, internal energy.
+        viscous_heating: "conserving", or "lammps" for that program's formula (mdvv only).
+        scaled_repulsion: conservative forces are multiplied by T̄/T_ref.
+        explanation: where it comes from ("FIELD:10").
+    """
+
+    terms: tuple[HeatTerm, ...]
+    sources: tuple[HeatSource, ...] = ()
+    held: tuple[int, ...] = ()
+    reference: float = 1.0
+    viscous_heating: Literal["conserving", "lammps"] = "conserving"
+    scaled_repulsion: bool = False
+    explanation: str = ""
 
 
 @dataclass(frozen=True)
@@ -401,6 +502,20 @@ class CorrelationPlan:
 
 
 @dataclass(frozen=True)
+class BinPlan:
+    """Averages of what beads do and carry in bins along one axis, or along two: every how many steps (0 = never).
+
+    ``quantities`` are names of ``pydlpoly.scene.bins``; empty: all that the scene has.
+    """
+
+    every: int = 0
+    axes: tuple[Axis, ...] = ("z",)
+    bins: tuple[int, ...] = (100,)
+    quantities: tuple[str, ...] = ()
+    file: str | None = "PROFILE"
+
+
+@dataclass(frozen=True)
 class OutputPlan:
     """What is written, how often (in steps, 0 = never) and under what name (None = not written).
 
@@ -441,6 +556,9 @@ class OutputPlan:
     msd_every: int = 0
     msd_start: int = 0
     msd_file: str = "MSDTMP"
+    beads_file: str | None = "REVBEADS"
+    bead_profile: BinPlan = BinPlan()
+    bead_map: BinPlan = BinPlan(axes=("x", "y"), bins=(50, 50), file="MAP")
 
 
 @dataclass(frozen=True, eq=False)
@@ -466,6 +584,9 @@ class Scene:
         constraints: fixed distances; None when there are none.
         walls: walls across axes of the cell; None when there are none.
         electrostatics: how charges act; None when they do not.
+        many_body: local densities and what they do to pairs of the law mdpd; None without such pairs.
+        transport: dissolved species and what happens to them; None when beads carry none.
+        heat: what beads do with the heat they carry; None where they carry none.
     """
 
     title: str
@@ -495,6 +616,9 @@ class Scene:
     constraints: Constraints | None = None
     walls: Walls | None = None
     electrostatics: Electrostatics | None = None
+    many_body: ManyBody | None = None
+    transport: Transport | None = None
+    heat: Heat | None = None
 
     @property
     def constraint_count(self) -> int:

@@ -6,6 +6,7 @@ import numpy as np
 
 from pydlpoly.errors import SceneError, suggest
 from pydlpoly.formats.records import Field, FloatArray
+from pydlpoly.scene.bins import resolve_map, resolve_profile_bins
 from pydlpoly.scene.model import OutputPlan, PairTerm
 from pydlpoly.scene.settings import Notes, Settings
 from pydlpoly.scene.stress import resolve_correlations, resolve_profile
@@ -88,6 +89,9 @@ def resolve_output(
         msd_every=msd_every if msd_file else 0,
         msd_start=_interval(settings, "msd_start") if msd_every else 0,
         msd_file=msd_file or "MSDTMP",
+        beads_file=settings.file_name("io_file_revbeads"),
+        bead_profile=resolve_profile_bins(settings),
+        bead_map=resolve_map(settings),
     )
 
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
 from pydlpoly.errors import SceneError
-from pydlpoly.formats.records import BondedTable, Configuration, Control, Field, FloatArray, PairTable
+from pydlpoly.formats.records import BeadTable, BondedTable, Configuration, Control, Field, FloatArray, PairTable
 from pydlpoly.scene.barostat import check_barostat, resolve_barostat, shape_of
 from pydlpoly.scene.beads import Layout, check_configuration, lay_out
+from pydlpoly.scene.beads_state import repeated_table, with_bead_table
+from pydlpoly.scene.bins import check_bins
 from pydlpoly.scene.bonded import resolve_bonded
 from pydlpoly.scene.bonded_laws import KINDS
 from pydlpoly.scene.cell import resolve_cell, widths, wrap
@@ -17,6 +20,7 @@ from pydlpoly.scene.charges import Strength, resolve_charges
 from pydlpoly.scene.constraints import left_by, resolve_constraints
 from pydlpoly.scene.dynamics import check_limits, resolve_dynamics, resolve_run, settle_momentum, start_velocities
 from pydlpoly.scene.external import ON_CHARGES, resolve_external
+from pydlpoly.scene.heat import resolve_heat
 from pydlpoly.scene.interactions import (
     check_image_noise,
     long_range_correction,
@@ -24,12 +28,14 @@ from pydlpoly.scene.interactions import (
     resolve_cutoffs,
     resolve_pairs,
 )
+from pydlpoly.scene.many_body import check_many_body, resolve_many_body
 from pydlpoly.scene.model import Beads, Scene
 from pydlpoly.scene.output import resolve_output
 from pydlpoly.scene.replicate import replicate_as_asked
 from pydlpoly.scene.settings import Notes, Settings, place
 from pydlpoly.scene.shear import SHEARED_SHAPE, check_shear, resolve_shear
 from pydlpoly.scene.stress import check_profile
+from pydlpoly.scene.transport import resolve_transport, start_concentrations
 from pydlpoly.scene.walls import check_beads_inside, open_axes, resolve_walls
 from pydlpoly.units import ENERGY_UNITS, EnergyUnit, energy_unit
 
@@ -37,6 +43,7 @@ from pydlpoly.units import ENERGY_UNITS, EnergyUnit, energy_unit
 _FOLLOWED_BY_READERS = (
     "io_file_config",
     "io_file_field",
+    "io_file_beads",
     *(f"io_file_{name}" for name in ("tabvdw", "tabbnd", "tabang", "tabdih", "tabinv")),
     "ignore_config_indices",
 )
@@ -51,6 +58,7 @@ def resolve(
     *,
     tables: Iterable[PairTable] = (),
     bonded_tables: Iterable[BondedTable] = (),
+    bead_table: BeadTable | None = None,
     sources: Iterable[str] = (),
 ) -> Scene:
     """Return the complete scene that the three records describe.
@@ -61,6 +69,8 @@ def resolve(
         config: periodicity, cell, positions and, by level, velocities.
         tables: tabulated pair laws, for the ``tab`` pairs of ``field``.
         bonded_tables: tabulated bonded laws, for the ``tab`` terms of ``field``.
+        bead_table: internal temperatures and concentrations of the beads at the start, in place of those that FIELD's
+            extensions give.
         sources: names for the scene's list of sources; by default the records' own paths.
 
     Raises:
@@ -75,7 +85,9 @@ def resolve(
     settings.refuse_unmodelled()
     settings.consumed.update(_FOLLOWED_BY_READERS)
     _refuse_unmodelled_blocks(field)
+    single = field
     field, config = replicate_as_asked(settings, field, config, notes)
+    bead_table = repeated_table(bead_table, single, field)
 
     units, field_units = _units(settings, field, notes)
     dynamics = resolve_dynamics(settings, field_units.reduced, notes)
@@ -100,6 +112,7 @@ def resolve(
         settings, field, layout, strength, cutoffs[0], cell, imcon, periodic, fields, notes
     )
     pairs = resolve_pairs(settings, field, field_units.factor, layout, dynamics, cutoffs, tables, notes)
+    many_body = resolve_many_body(settings, field, pairs, layout.species_names, notes)
     check_limits(dynamics, pairs, layout, settings, notes)
     note_small_cell(pairs, widths(cell)[list(periodic)].tolist(), notes)
     check_image_noise(pairs, widths(cell)[list(periodic)].tolist(), config.path)
@@ -109,6 +122,9 @@ def resolve(
     output = resolve_output(settings, field, layout.species_names, pairs, cutoffs[0], notes, cell, periodic)
     velocities = start_velocities(config, layout, run, fixed and dynamics.shear_rate == 0.0, notes)
     beads = _beads(layout, _wrapped(config, cell, periodic), velocities)
+    transport = resolve_transport(field, layout.species_names, cell, periodic, dynamics.timestep, notes)
+    if transport is not None:
+        beads = replace(beads, concentrations=_frozen(start_concentrations(transport, beads, cell, periodic)))
     charged = electrostatics is not None
     bonded = resolve_bonded(
         field, field_units.factor, beads, cell, periodic, config.path, notes, strength, charged, bonded_tables
@@ -128,7 +144,6 @@ def resolve(
         walls,
     )
     tails = long_range_correction(settings, pairs, periodic, notes)
-    settings.finish(notes)
     scene = Scene(
         title=control.title or field.title,
         units=units,
@@ -149,15 +164,20 @@ def resolve(
         molecule_names=tuple(molecule.name for molecule in field.molecules),
         molecule_counts=tuple(molecule.count for molecule in field.molecules),
         field_units=field_units,
-        notes=notes.all(),
         sources=tuple(sources) or (control.path, field.path, config.path),
         bonded=bonded,
         constraints=constraints,
         walls=walls,
         electrostatics=electrostatics,
+        many_body=many_body,
+        transport=transport,
     )
+    check_many_body(scene, field, settings)
+    scene = resolve_heat(field, scene, settings, notes)
     check_profile(scene, settings)
-    return scene
+    check_bins(scene, settings)
+    settings.finish(notes)
+    return with_bead_table(replace(scene, notes=notes.all()), bead_table)
 
 
 def _beads(layout: Layout, positions: FloatArray, velocities: FloatArray | None) -> Beads:
@@ -166,6 +186,11 @@ def _beads(layout: Layout, positions: FloatArray, velocities: FloatArray | None)
         if array is not None:
             array.setflags(write=False)  # a scene is immutable
     return Beads(*arrays, velocities)
+
+
+def _frozen(array: FloatArray) -> FloatArray:
+    array.setflags(write=False)  # a scene is immutable
+    return array
 
 
 def _keep_warnings(path: str, warnings: Iterable[str], notes: Notes) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pydlpoly import units
 from pydlpoly.errors import InputError
-from pydlpoly.scene import model
+from pydlpoly.scene import model, transport_terms
 
 _CLASSES: dict[str, type[Any]] = {
     cls.__name__: cls
@@ -18,12 +18,17 @@ _CLASSES: dict[str, type[Any]] = {
         model.Note,
         model.Beads,
         model.PairTerm,
+        model.DensityTerm,
+        model.ManyBody,
         model.ExternalTerm,
         model.Walls,
         model.BondedTerm,
         model.Bonded,
         model.Constraints,
         model.Electrostatics,
+        model.HeatTerm,
+        model.HeatSource,
+        model.Heat,
         model.Schedule,
         model.Barostat,
         model.Dynamics,
@@ -31,8 +36,14 @@ _CLASSES: dict[str, type[Any]] = {
         model.ProfilePlan,
         model.CorrelationTerm,
         model.CorrelationPlan,
+        model.BinPlan,
         model.OutputPlan,
         model.Scene,
+        transport_terms.Region,
+        transport_terms.SpeciesFlux,
+        transport_terms.SpeciesValue,
+        transport_terms.Reaction,
+        transport_terms.Transport,
         units.EnergyUnit,
     )
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import contacts, counts, geometry, integrators, long_runs, magnitudes, noise
+from . import contacts, counts, densities, geometry, integrators, long_runs, magnitudes, noise, species
 from .framework import Case, Seen
 
 __all__ = ["CASES", "Case", "Seen"]
@@ -14,5 +14,7 @@ CASES: list[Case] = [
     *counts.CASES,
     *long_runs.CASES,
     *noise.CASES,
+    *densities.CASES,
     *integrators.CASES,
+    *species.CASES,
 ]

@@ -267,14 +267,6 @@ CASES = {
         {"positions": [(5000000000.0, 0, 0), (0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0), (4, 0, 0)]},
         "CONFIG: bead 1 (A) lies more than a thousand million cells away from the origin",
     ),
-    "unknown_law": (
-        {"vdw": ("A A mdpd 25.0 1.0 4.5",)},
-        (
-            "FIELD:15: 'mdpd': A A: is not a pair law that is modelled; did you mean dpd, ndpd? "
-            "(known: 12-6, 14-7, bhm, buck, dpd, hbnd, lj, ljc, ljf, m126, mbuc, mlj, mors, mstw, "
-            "ndpd, nm, ryd, sand, snm, sw, tab, wca, zbl, zblb, zbls)"
-        ),
-    ),
     "too_few_parameters": ({"vdw": ("A A dpd 25.0",)}, "FIELD:15: 'dpd': A A: needs 2 numbers (A rc), found 1"),
     "impossible_parameter": (
         {"vdw": ("A A dpd 25.0 -1.0 4.5",)},
@@ -396,6 +388,18 @@ def test_unknown_species_in_a_record_made_by_a_program(make):
     with pytest.raises(SceneError) as caught:
         resolve(control, field, config)
     assert str(caught.value) == "FIELD: 'b': no molecule has a bead of this name; did you mean B?"
+
+
+def test_unknown_law_in_a_record_made_by_a_program(make):
+    control, field, config = records(make)
+    field = replace(field, pairs=(PairLine(("A", "A"), "gaus", (1.0, 1.0)), *field.pairs[1:]))
+    with pytest.raises(SceneError) as caught:
+        resolve(control, field, config)
+    assert str(caught.value) == (
+        "FIELD: 'gaus': A A: is not a pair law that is modelled "
+        "(known: 12-6, 14-7, bhm, buck, dpd, hbnd, lj, ljc, ljf, m126, mbuc, mdpd, mlj, mors, mstw, "
+        "ndpd, nm, ryd, sand, snm, sw, tab, wca, zbl, zblb, zbls)"
+    )
 
 
 def test_pair_twice_in_a_record_made_by_a_program(make):

@@ -1,0 +1,56 @@
+// Pair law mdpd: what many-body DPD keeps of a pair's own, U = ½ A rc (1 − r/rc)², usually an attraction; the part that
+// depends on local densities is cpp/meso/many_body.hpp.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <string_view>
+
+#include "pair/arithmetic.hpp"
+#include "pair/law.hpp"
+#include "pair/parameters.hpp"
+
+namespace dlpoly::pair {
+
+class ManyBodyDpd {
+    static constexpr std::array<std::string_view, 6> names{"A", "B", "n", "m", "rc", "rd"};
+
+  public:
+    static constexpr LawInfo info{.key = "mdpd",
+                                  .description = "many-body DPD, A rc/2 (1 - r/rc)^2 and B rho^m/m of local densities",
+                                  .parameter_names = names,
+                                  .energy_mask = 0b000011,
+                                  .drag_slot = 7,
+                                  .soft = true,
+                                  .has_tail = false,
+                                  .mixable = true,
+                                  .shiftable = false};
+
+    ManyBodyDpd(std::span<const double> parameters, double cutoff) {
+        const Parameters given(info, parameters, cutoff);
+        strength_ = given.any(0);
+        given.not_negative(1);
+        given.require(given.any(2) >= 2.0, 2, "2 or more");
+        given.require(given.any(3) >= 1.0 || given.any(3) == 0.0, 3, "1 or more, or 0 where the species say it");
+        range_ = given.positive(4);
+        given.positive(5);
+        given.require(given.any(5) <= range_, 5, "at most rc");
+        inverse_range_ = 1.0 / range_;
+        half_energy_ = 0.5 * strength_ * range_;
+    }
+
+    double range() const noexcept { return range_; }
+
+    PairValue operator()(double distance_squared) const noexcept {
+        const double distance = std::sqrt(distance_squared);
+        const double weight = std::max(0.0, 1.0 - distance * inverse_range_);
+        return {half_energy_ * weight * weight, strength_ * weight * inverse_or_zero(distance)};
+    }
+
+  private:
+    double strength_, range_, inverse_range_, half_energy_;
+};
+
+}  // namespace dlpoly::pair

