@@ -810,6 +810,7 @@ class HeatPairs:
         """
     @held.setter
     def held(self, arg1: collections.abc.Sequence[bool]) -> None: ...
+
 class Transport:
     """
     Transport of dissolved species; see cpp/meso/species_transport.hpp.

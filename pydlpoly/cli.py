@@ -31,8 +31,8 @@ from pydlpoly.formats.control import read_control, write_control
 from pydlpoly.gallery import example_folder as example_folder
 from pydlpoly.gallery import example_names as example_names
 from pydlpoly.gallery import examples
-from pydlpoly.report.cli import plot_command, report_command
 from pydlpoly.planning.cli import plan
+from pydlpoly.report.cli import plot_command, report_command
 from pydlpoly.runner import RunResult, run_scene
 from pydlpoly.scene import Scene, load
 from pydlpoly.scene.model import Precision
@@ -177,16 +177,14 @@ def explain(
 def convert(
     source: Annotated[
         Path,
-        typer.Argument(
-            help="A CONTROL file of either style; with --to dl_poly and lammps a folder; or a trajectory."
-        ),
+        typer.Argument(help="A CONTROL file of either style; with --to dl_poly and lammps a folder; or a trajectory."),
     ],
     *,
     to: Annotated[
         str,
         typer.Option(
-            help="new | old: the style of CONTROL to write; dl_poly: CONTROL, FIELD and CONFIG; lammps: a script; history "
-            "| extxyz | gsd | h5md | dcd: a trajectory; config: one of its frames."
+            help="new | old: the style of CONTROL to write; dl_poly: CONTROL, FIELD and CONFIG; lammps: a script; "
+            "history | extxyz | gsd | h5md | dcd: a trajectory; config: one of its frames."
         ),
     ] = "new",
     output: Annotated[
@@ -194,7 +192,8 @@ def convert(
         typer.Option(
             "--output",
             "-o",
-            help="File (or folder, with --to's folder) to write; default: standard output, of trajectories beside SOURCE.",
+            help="File (with dl_poly and lammps folder) to write; default: standard output, of trajectories beside "
+            "SOURCE.",
         ),
     ] = None,
     frame: Annotated[

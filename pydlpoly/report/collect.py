@@ -287,8 +287,9 @@ class _Reader:
         elif plan.configuration_file is not None and (self._folder / plan.configuration_file).is_file():
             self._files[plan.configuration_file] = self._folder / plan.configuration_file
         if history is not None and history.frames:
-            first.append(of_frame(history.frames[0], plan.trajectory_file))
-            newest.append(of_frame(history.frames[-1], plan.trajectory_file))
+            name = plan.trajectory_file or "HISTORY"
+            first.append(of_frame(history.frames[0], name))
+            newest.append(of_frame(history.frames[-1], name))
         start = first[0] if first else None
         last = max(newest, key=lambda one: one.step if one.step is not None else -1, default=None)
         return start, last
