@@ -153,8 +153,7 @@ class Reader(base.CountedReader):
         super().__init__(path)
         h5py = base.package("h5py", _USER)
         try:
-            # SWMR: also a file that a killed program left marked as open.
-            self._file = h5py.File(path, "r", swmr=True, locking=False)
+            self._file = _opened(h5py, path)
         except OSError as error:
             raise InputError(f"is not an HDF5 file that can be read: {error}", path=path) from error
         groups = list(self._file.get("particles", {}).values())
@@ -266,6 +265,17 @@ class Reader(base.CountedReader):
             None if molecules is None else molecules[:].astype(np.int64),
             links,
         )
+
+
+def _opened(h5py: Any, path: str) -> Any:
+    """Open a file for reading; in SWMR mode where a writer, perhaps a killed one, has it marked as open.
+
+    Not always so: HDF5 opens a file in one way at a time, and other packages of the same program use the usual one.
+    """
+    for way in ({}, {"locking": False}):
+        with suppress(OSError):
+            return h5py.File(path, "r", **way)
+    return h5py.File(path, "r", swmr=True, locking=False)
 
 
 def _head(file: Any, topology: base.Topology, like: Frame) -> None:

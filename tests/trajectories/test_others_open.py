@@ -241,6 +241,17 @@ def test_what_hoomd_writes_is_read(tmp_path: Path) -> None:
     assert second.positions[0, 2] == 0.5
 
 
+def test_h5md_is_read_beside_other_packages(tmp_path: Path) -> None:
+    """HDF5 does not open a file in two modes at the same time."""
+    made = frames(2)
+    file = written(tmp_path, "h5md", made)
+    with h5py.File(file):
+        assert len(list(read(file))) == 2
+    frame = next(read(file))
+    with h5py.File(file) as there:
+        np.testing.assert_array_equal(there["particles/trajectory/position/value"][0], frame.positions)
+
+
 def test_what_another_program_writes_as_h5md(tmp_path: Path) -> None:
     """Steps in equal intervals, an edge of three numbers, velocities of other steps; other units are refused."""
     with h5py.File(tmp_path / "other.h5", "w") as file:
