@@ -20,7 +20,7 @@ from pydlpoly.scene.beads_state import STATE_EXTENSIONS
 from pydlpoly.scene.dl_meso import adapt, adapt_configuration, start_configuration
 from pydlpoly.scene.model import Scene
 from pydlpoly.scene.resolve import resolve
-from pydlpoly.trajectories import configuration_of, format_of, open_reader
+from pydlpoly.trajectories import bead_table_of, configuration_of, format_of, open_reader
 
 Path_ = str | PathLike[str]
 
@@ -106,7 +106,9 @@ def read_records(
     if not isinstance(config, Configuration):
         name = str(value_in(control, "io_file_config"))
         path = _find(folder, config, name, "the start configuration", "io_file_config or the argument config")
-        config = _configuration(path, ignore_indices=bool(value_in(control, "ignore_config_indices")))
+        config, carried = _configuration(path, ignore_indices=bool(value_in(control, "ignore_config_indices")))
+        if beads is None and control.get("io_file_beads") is None and _carries(field):
+            beads = carried
     control, beads, paths = _beads(folder, control, field, beads, beside_config=beside_config)
     control, adapted = adapt_configuration(control, field, config)
     if beads is not None and adapted.names != config.names:
@@ -126,7 +128,7 @@ def _beads(
     path = folder / str(value_in(control, "io_file_beads"))
     if named is None and not path.exists():
         return control, None, ()
-    if not any(block.name in STATE_EXTENSIONS for block in field.extensions):
+    if not _carries(field):
         text = f"{path.name} is not used: FIELD has no extension by which beads carry temperatures or concentrations"
         remark = Remark("ignored", text, 0 if named is None else named.line)
         return replace(control, remarks=(*control.remarks, remark)), None, ()
@@ -134,11 +136,18 @@ def _beads(
     return control, read_beads(path), (str(path),)
 
 
-def _configuration(path: Path, *, ignore_indices: bool) -> Configuration:
+def _carries(field: Field) -> bool:
+    """Whether beads have temperatures or concentrations."""
+    return any(block.name in STATE_EXTENSIONS for block in field.extensions)
+
+
+def _configuration(path: Path, *, ignore_indices: bool) -> tuple[Configuration, BeadTable | None]:
+    """Read CONFIG, or the last frame of a trajectory, which may say what beads carry."""
     if format_of(path) is None:
-        return read_config(path, ignore_indices=ignore_indices)
+        return read_config(path, ignore_indices=ignore_indices), None
     reader = open_reader(path)
-    return configuration_of(reader.frame(-1), title=reader.topology.title, path=str(path))
+    frame, title = reader.frame(-1), reader.topology.title
+    return configuration_of(frame, title=title, path=str(path)), bead_table_of(frame, title=title, path=str(path))
 
 
 def _is_dl_meso(folder: Path, field: Path_ | Field | None) -> bool:

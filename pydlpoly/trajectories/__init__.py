@@ -12,10 +12,12 @@ from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
+import numpy as np
+
 from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import PathLike
 from pydlpoly.formats.frame import Frame
-from pydlpoly.formats.records import Configuration
+from pydlpoly.formats.records import BeadTable, Configuration
 from pydlpoly.trajectories.base import Reader, Topology, Writer
 
 __all__ = [
@@ -25,6 +27,7 @@ __all__ = [
     "Reader",
     "Topology",
     "Writer",
+    "bead_table_of",
     "configuration_of",
     "format_of",
     "open_reader",
@@ -133,6 +136,14 @@ def read(path: PathLike) -> Iterator[Frame]:
 def read_frame(path: PathLike, index: int = -1) -> Frame:
     """Return one frame of a trajectory, by default the last. Raises InputError when there is no such frame."""
     return open_reader(path).frame(index)
+
+
+def bead_table_of(frame: Frame, *, title: str = "", path: str = "") -> BeadTable | None:
+    """Return the temperatures and concentrations of a frame's beads as the record of a BEADS file, None without any."""
+    names = tuple(name for name in frame.arrays if name == "temperature" or name.startswith("concentration_"))
+    if not names:
+        return None
+    return BeadTable(names, np.column_stack([frame.arrays[name] for name in names]), title, path=path)
 
 
 def configuration_of(frame: Frame, *, title: str = "", path: str = "") -> Configuration:

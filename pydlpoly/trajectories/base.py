@@ -70,6 +70,9 @@ class Writer(ABC):
     def write(self, frame: Frame) -> None:
         """Append one frame. Raises InputError when it differs from the first in beads or in what it holds."""
 
+    def accepts(self, step: int) -> None:  # noqa: B027  # most formats take any step
+        """Raise InputError when the next frame cannot be of this step."""
+
     @abstractmethod
     def sync(self) -> None:
         """Wait until all frames are on the disk."""

@@ -8,17 +8,21 @@ from tempfile import TemporaryDirectory
 
 from pydlpoly.errors import InputError, RunError
 from pydlpoly.formats.atomic import atomic_file
+from pydlpoly.formats.beads_file import write_beads
 from pydlpoly.formats.config_writer import write_config_to
-from pydlpoly.trajectories import FORMATS, configuration_of, open_reader, open_writer
+from pydlpoly.trajectories import FORMATS, bead_table_of, configuration_of, open_reader, open_writer
 
 TARGETS = (*FORMATS, "config")
 """What a trajectory can be converted to."""
 
+_BEADS = "BEADS"
 _DIGITS = 17  # these read back to the last bit
 
 
 def convert_trajectory(source: Path, to: str, target: Path | None = None, *, frame: int | None = None) -> Path:
     """Write a trajectory in another format, or one frame of it as a CONFIG, and return the file.
+
+    Temperatures and concentrations of the frame's beads go into BEADS beside CONFIG.
 
     Frames are read and written one after the other, so that no more than a few are in memory. The files appear under
     their names when they are whole.
@@ -36,20 +40,31 @@ def convert_trajectory(source: Path, to: str, target: Path | None = None, *, fra
     path = target if target is not None else _usual(source, to)
     second = [path.with_suffix(FORMATS[to].companion)] if to in FORMATS and FORMATS[to].companion else []
     for one in (path, *second):
-        if one.exists() and (target is None or one.resolve() == source.resolve()):
-            what = "is the file to be read" if one.resolve() == source.resolve() else "is there already"
-            raise InputError(f"{what}; say with --output what to write", path=str(one))
+        _refuse_file_that_is_there(one, source, given=target is not None)
     try:
         if to == "config":
             reader = open_reader(source)
             found = reader.frame(-1 if frame is None else frame)
+            title = reader.topology.title
+            table = bead_table_of(found, title=title)
+            if table is not None:
+                _refuse_file_that_is_there(path.with_name(_BEADS), source, given=target is not None)
+                write_beads(path.with_name(_BEADS), title, table.names, list(table.values.T))
             with atomic_file(path) as file:
-                write_config_to(file, configuration_of(found, title=reader.topology.title), _DIGITS)
+                write_config_to(file, configuration_of(found, title=title), _DIGITS)
         else:
             _stream(source, to, path, frame)
     except RunError as error:
         raise InputError(str(error)) from error
     return path
+
+
+def _refuse_file_that_is_there(path: Path, source: Path, *, given: bool) -> None:
+    """Never write over the source, and over other files only where the user has named them."""
+    same = path.resolve() == source.resolve()
+    if path.exists() and (same or not given):
+        what = "is the file to be read" if same else "is there already"
+        raise InputError(f"{what}; say with --output what to write", path=str(path))
 
 
 def _usual(source: Path, to: str) -> Path:

@@ -84,14 +84,18 @@ class Writer(base.Writer):
 
     def _space(self, step: int) -> None:
         """Take the first step and the interval from the first two frames, and hold the others to them."""
-        if step > _LARGEST:
-            raise InputError(f"DCD has no room for step {step}: at most {_LARGEST}", path=self.path)
         if self._count == 0:
             self._first, self._interval = step, 0
         elif self._count == 1:
             self._interval = step - self._first
+        self.accepts(step)
+
+    def accepts(self, step: int) -> None:
+        """Raise InputError when the next frame cannot be of this step."""
+        if step > _LARGEST:
+            raise InputError(f"DCD has no room for step {step}: at most {_LARGEST}", path=self.path)
         expected = self._first + self._count * self._interval
-        if step != expected or (self._count and self._interval < 1):
+        if self._count >= 1 and self._interval and (step != expected or self._interval < 0):
             message = f"DCD holds frames in equal intervals: frame {self._count + 1} is of step {expected}, not {step}"
             raise InputError(message, path=self.path)
 

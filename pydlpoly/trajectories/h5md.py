@@ -153,8 +153,7 @@ class Reader(base.CountedReader):
         super().__init__(path)
         h5py = base.package("h5py", _USER)
         try:
-            # SWMR: also a file that a killed program left marked as open.
-            self._file = h5py.File(path, "r", swmr=True, locking=False)
+            self._file = _opened(h5py, path)
         except OSError as error:
             raise InputError(f"is not an HDF5 file that can be read: {error}", path=path) from error
         groups = list(self._file.get("particles", {}).values())
@@ -162,6 +161,8 @@ class Reader(base.CountedReader):
             raise InputError("is not an H5MD file with positions", path=path)
         self._group = groups[0]
         self._names = _names(self._group)
+        self._check_units()
+        self._elements = [name for name in _moving(self._group) if self._goes_with_positions(name)]
         self._own = self._file.get("parameters/pydlpoly")
         self.topology = self._topology()
 
@@ -201,15 +202,34 @@ class Reader(base.CountedReader):
             images=None if images is None else images.astype(np.int64),
             arrays={
                 name: np.asarray(self._element(name, index))
-                for name in _moving(self._group)
+                for name in self._elements
                 if name not in (*_ELEMENTS, "box/edges") and self._group[name]["value"].shape[1:] == (count,)
             },
         )
 
     def _element(self, name: str, index: int) -> FloatArray | None:
-        if name not in self._group or not hasattr(self._group[name], "keys"):
+        if name not in self._elements:
             return None
         return np.array(self._group[name]["value"][index], dtype=np.float64)
+
+    def _check_units(self) -> None:
+        """Refuse numbers in other units than ours; without a unit they are taken as they are."""
+        there = [(name, self._group[name]) for name in ("mass", "charge") if name in self._group]
+        there += [
+            (name, self._group[name]["value"]) for name in ("position", "velocity", "force") if name in self._group
+        ]
+        there += [("time", self._group["position/time"])] if "time" in self._group["position"] else []
+        for name, dataset in there:
+            unit = dataset.attrs.get("unit", _UNITS[name])
+            unit = unit.decode() if isinstance(unit, bytes) else str(unit)
+            if unit != _UNITS[name]:
+                message = f"the unit of {name} must be {_UNITS[name]} or none"
+                raise InputError(message, path=self.path, word=unit)
+
+    def _goes_with_positions(self, name: str) -> bool:
+        """Whether an element has the positions' steps; others cannot be told which frame they belong to."""
+        own, common = self._group[name].get("step"), self._group["position"].get("step")
+        return own is None or common is None or own == common or np.array_equal(own[()], common[()])
 
     def _once(self, name: str, otherwise: FloatArray) -> FloatArray:
         there = self._group.get(name)
@@ -245,6 +265,17 @@ class Reader(base.CountedReader):
             None if molecules is None else molecules[:].astype(np.int64),
             links,
         )
+
+
+def _opened(h5py: Any, path: str) -> Any:
+    """Open a file for reading; in SWMR mode where a writer, perhaps a killed one, has it marked as open.
+
+    Not always so: HDF5 opens a file in one way at a time, and other packages of the same program use the usual one.
+    """
+    for way in ({}, {"locking": False}):
+        with suppress(OSError):
+            return h5py.File(path, "r", **way)
+    return h5py.File(path, "r", swmr=True, locking=False)
 
 
 def _head(file: Any, topology: base.Topology, like: Frame) -> None:

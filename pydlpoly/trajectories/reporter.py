@@ -51,6 +51,9 @@ class FormatsReporter:
                 writer = open_writer(name, path, like, topology, append=append, keep_until=keep_until)
                 self._writers.append(BackgroundWriter(writer))
                 opened.callback(self._writers[-1].close)
+                due = self.next_step(simulation.step)
+                if append and due is not None:
+                    writer.accepts(due)
             opened.pop_all()
         if not append and self._start == 0:
             self.report(simulation)

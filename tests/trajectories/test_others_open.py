@@ -17,9 +17,9 @@ import numpy as np
 import pytest
 
 from pydlpoly.ase import ENERGY, VELOCITY, scene_from_atoms
+from pydlpoly.errors import InputError
 from pydlpoly.formats.frame import Frame
 from pydlpoly.trajectories import FORMATS, Topology, configuration_of, open_writer, read
-from pydlpoly.trajectories.base import periodic_of
 
 from .frames import CELLS, TURNED, frames, topology
 
@@ -28,6 +28,7 @@ with warnings.catch_warnings():
     import MDAnalysis
 
 SINGLE = 2.0**-23
+PERIODIC = {0: (False, False, False), 6: (True, True, False)} | dict.fromkeys((1, 2, 3), (True, True, True))
 
 
 def written(path: Path, name: str, made: list[Frame], said: Topology | None = None) -> Path:
@@ -41,7 +42,7 @@ def written(path: Path, name: str, made: list[Frame], said: Topology | None = No
 def distances(positions: np.ndarray, cell: np.ndarray, imcon: int) -> np.ndarray:
     """All distances by the nearest image; they do not depend on how the cell lies."""
     apart = (positions[:, None] - positions[None]) @ np.linalg.inv(cell)
-    apart -= np.where(periodic_of(imcon), np.round(apart), 0.0)
+    apart -= np.where(PERIODIC[imcon], np.round(apart), 0.0)
     return np.asarray(np.linalg.norm(apart @ cell, axis=-1))
 
 
@@ -56,7 +57,7 @@ def test_ase_reads_extxyz(tmp_path: Path, imcon: int) -> None:
     for atoms, frame in zip(images, made, strict=True):
         np.testing.assert_array_equal(atoms.positions, frame.positions)
         np.testing.assert_array_equal(atoms.cell.array, frame.cell)
-        assert tuple(atoms.pbc) == periodic_of(imcon)
+        assert tuple(atoms.pbc) == PERIODIC[imcon]
         assert tuple(atoms.arrays["bead_types"]) == frame.names
         np.testing.assert_array_equal(atoms.get_masses(), frame.masses)
         np.testing.assert_array_equal(atoms.get_initial_charges(), frame.charges)
@@ -129,7 +130,7 @@ def test_ovito(tmp_path: Path, name: str, imcon: int) -> None:
     np.testing.assert_allclose(data.cell[:, 3], -0.5 * frame.cell.sum(axis=0), rtol=0.0, atol=1e-6)
     np.testing.assert_allclose(beads["density"], frame.arrays["density"], rtol=1e-15)
     if name == "extxyz":
-        assert tuple(data.cell.pbc) == periodic_of(imcon)
+        assert tuple(data.cell.pbc) == PERIODIC[imcon]
     else:
         np.testing.assert_allclose(beads["Velocity"], frame.velocities, rtol=SINGLE)
         assert len(beads.bonds.topology[...]) == 11
@@ -238,6 +239,41 @@ def test_what_hoomd_writes_is_read(tmp_path: Path) -> None:
     np.testing.assert_allclose(second.cell, [[4, 0, 0], [0.5, 5, 0], [0, 0, 6]], rtol=1e-6)
     np.testing.assert_array_equal(second.masses, [1.0, 1.0])  # the schema's default
     assert second.positions[0, 2] == 0.5
+
+
+def test_h5md_is_read_beside_other_packages(tmp_path: Path) -> None:
+    """HDF5 does not open a file in two modes at the same time."""
+    made = frames(2)
+    file = written(tmp_path, "h5md", made)
+    with h5py.File(file):
+        assert len(list(read(file))) == 2
+    frame = next(read(file))
+    with h5py.File(file) as there:
+        np.testing.assert_array_equal(there["particles/trajectory/position/value"][0], frame.positions)
+
+
+def test_what_another_program_writes_as_h5md(tmp_path: Path) -> None:
+    """Steps in equal intervals, an edge of three numbers, velocities of other steps; other units are refused."""
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file.create_group("h5md").attrs["version"] = [1, 1]
+        beads = file.create_group("particles/all")
+        box = beads.create_group("box")
+        box.attrs["dimension"], box.attrs["boundary"] = 3, ["periodic"] * 3
+        box["edges"] = [4.0, 5.0, 6.0]
+        beads["position/value"] = np.arange(12.0).reshape(2, 2, 3)
+        beads["position/step"], beads["position/time"] = 50, 0.5
+        beads["position/step"].attrs["offset"] = 10
+        beads["velocity/value"], beads["velocity/step"] = np.zeros((1, 2, 3)), [0]
+        beads["species"] = [1, 4]
+    first, second = read(tmp_path / "other.h5")
+    assert (first.names, first.imcon, first.velocities) == (("1", "4"), 2, None)
+    assert (first.step, second.step, second.time) == (10, 60, 0.5)
+    np.testing.assert_array_equal(second.positions, [[6, 7, 8], [9, 10, 11]])
+    np.testing.assert_array_equal(second.cell, np.diag([4.0, 5.0, 6.0]))
+    with h5py.File(tmp_path / "other.h5", "r+") as file:
+        file["particles/all/position/value"].attrs["unit"] = "nm"
+    with pytest.raises(InputError, match=r"other\.h5: 'nm': the unit of position must be Angstrom or none"):
+        read(tmp_path / "other.h5")
 
 
 def test_h5md_is_laid_out_as_specified(tmp_path: Path) -> None:
