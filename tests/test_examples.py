@@ -49,6 +49,12 @@ def test_installed_examples_are_those_of_the_sources() -> None:
         assert {entry.name: entry.read_bytes() for entry in installed.iterdir()} == files
 
 
+def test_the_heat_example_is_what_its_script_writes() -> None:
+    script = runpy.run_path(str(SOURCE.parents[1] / "docs" / "make_heat_example.py"))
+    for name, text in script["files"]().items():
+        assert (SOURCE / "heat" / name).read_text(encoding="utf-8") == text
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_example_is_understood(name: str) -> None:
     scene = load(example_folder(name))

@@ -212,7 +212,7 @@ void PairSweep::use_pair(const Row& row, const Maps& maps, std::size_t k, const 
                                 0.5 * (px * px + py * py + pz * pz) * inverse_mass);
         Heat& heat_a = heat_[row.i[k]];
         Heat& heat_b = heat_[row.j[k]];
-        if (!heat_a.has(0.5 * gained) || !heat_b.has(0.5 * gained)) {
+        if (heat_a.lacks(0.5 * gained) || heat_b.lacks(0.5 * gained)) {
             return;  // a bead has less heat than the noise would take
         }
         heat_a.gained += 0.5 * gained;

@@ -77,8 +77,9 @@ class PairSweep {
         double temperature, capacity, inverse_capacity, gained;
         bool held;
 
-        [[nodiscard]] bool has(double more) const noexcept {
-            return held || temperature * capacity + (gained + more) > 0.0;
+        // Whether so much more would leave it with nothing; not where it is no number, which is found afterwards.
+        [[nodiscard]] bool lacks(double more) const noexcept {
+            return !held && temperature * capacity + (gained + more) <= 0.0;
         }
     };
 

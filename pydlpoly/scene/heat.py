@@ -16,6 +16,9 @@ from pydlpoly.scene.settings import Notes, Settings, place
 WITH_HEAT = ("nve", "mdvv", "zeroth", "first", "second", "peters", "peters-first", "lowe-andersen", "ou", "ou-middle")
 """Integrators whose drag and noise give their energy to the internal energies of the beads, pair by pair."""
 
+LIMITED = ("peters-first", "lowe-andersen")
+"""Those of them that are defined up to a product of drag and timestep alone, which is checked for FIELD's drags."""
+
 _EXTENSION = "heat"
 
 
@@ -163,6 +166,11 @@ def _check_scene(block: HeatBlock, field: Field, scene: Scene, settings: Setting
         raise settings.refusal(unfit[0] if settings.given(unfit[0]) else "ensemble_method", unfit[1])
     if not dynamics.thermal_energy > 0.0:
         raise settings.refusal("temperature", "beads that carry heat need a temperature above 0: it is the reference")
+    for given in block.pairs:
+        if any(given.drag) and dynamics.integrator in LIMITED:
+            message = f"a drag that depends on temperature is not modelled with {dynamics.integrator}, whose limit of "
+            message += "drag x timestep it might pass; ou has none"
+            raise SceneError(message, path=field.path, line=given.line or None, word="drag")
     if block.viscous_heating == "lammps" and dynamics.integrator != "mdvv":
         raise SceneError(
             f"viscous_heating lammps goes with the integrator mdvv only, not with {dynamics.integrator}",

@@ -103,6 +103,13 @@ def test_what_was_not_checked_together_is_refused(changes: dict[str, object], me
     assert message in refused(CAPACITY, **changes)
 
 
+@pytest.mark.parametrize("order", ["peters-first", "lowe-andersen"])
+def test_a_drag_that_may_pass_the_limit_of_its_integrator_is_refused(order: str) -> None:
+    message = refused(CAPACITY, "pair A A drag 0 1 0 0", order=order)
+    assert f"a drag that depends on temperature is not modelled with {order}" in message
+    assert "FIELD:" in message
+
+
 def test_a_scaled_repulsion_is_for_soft_beads() -> None:
     message = refused(CAPACITY, "repulsion scaled", laws=("A A lj 1.0 0.4 4.5",))
     assert "repulsion scaled is for the law dpd; the pair A A has lj" in message
