@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pydlpoly.formats.binned_table import BinnedTable
-from pydlpoly.formats.blocks import BlockSums, standard_error
+from pydlpoly.formats.blocks import BlockSums, standard_errors
 from pydlpoly.formats.records import FloatArray, IntArray
 
 AXES = ("x", "y", "z")
@@ -236,7 +236,7 @@ class BinnedMeans:
         else:
             below = needs[1] if len(needs) > 1 else "volume"
             series = _ratio(blocks[needs[0]] - value * blocks[below], mean[below])
-        return np.array([standard_error(column) for column in series.T])
+        return standard_errors(series)
 
 
 class RunningSums:

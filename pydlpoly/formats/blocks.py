@@ -106,6 +106,23 @@ def standard_error(series: FloatArray) -> float:
     return max((_error_of_mean(values) for values in joined), default=float("nan"))
 
 
+def standard_errors(blocks: FloatArray) -> FloatArray:
+    """Return ``standard_error`` of every column of averages over blocks, (blocks, n) to (n,)."""
+    count = len(blocks)
+    least = _BLOCKS_FOR_ERRORS if count >= _BLOCKS_FOR_ERRORS else LEAST_BLOCKS
+    errors: FloatArray = np.full(blocks.shape[1:], np.nan if count < LEAST_BLOCKS else 0.0)
+    while len(blocks) >= least:
+        count = len(blocks)
+        rest = blocks - np.mean(blocks, axis=0)
+        squares = np.sum(rest**2, axis=0)
+        with np.errstate(invalid="ignore"):
+            alike = np.clip(np.sum(rest[1:] * rest[:-1], axis=0) / squares, 0.0, _LARGEST_CORRELATION)
+        variance = np.where(squares == 0.0, 0.0, squares / (count - 1) * (1.0 + alike) / (1.0 - alike))
+        errors = np.maximum(errors, np.sqrt(variance / count))
+        blocks = blocks[: count // 2 * 2].reshape(-1, 2, *blocks.shape[1:]).mean(axis=1)
+    return errors
+
+
 def beyond_chance(series: FloatArray) -> float:
     """Return what the mean's deviation exceeds by chance as seldom as three standard errors; not a number when few.
 

@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from pydlpoly.formats.blocks import BlockSums, beyond_chance, line_through, standard_error, three_of
+from pydlpoly.formats.blocks import (
+    BlockSums,
+    beyond_chance,
+    line_through,
+    standard_error,
+    standard_errors,
+    three_of,
+)
 
 
 @pytest.mark.parametrize("count", [1, 31, 32, 33, 64, 65, 1000])
@@ -95,3 +102,13 @@ def test_chance() -> None:
     assert sum(abs(np.mean(x)) > beyond_chance(x) for x in series) <= 5
     assert all(np.mean(x + 3.0) > beyond_chance(x) for x in series[:100])
     assert math.isnan(beyond_chance(np.arange(3.0)))
+
+
+@pytest.mark.parametrize("count", [0, 3, 4, 7, 8, 9, 15, 16, 31, 32])
+def test_errors_of_many_series_are_those_of_each(count: int) -> None:
+    blocks = np.cumsum(np.random.default_rng(3).normal(size=(count, 40)), axis=0)  # strongly correlated
+    blocks[:, :20] = np.random.default_rng(4).normal(size=(count, 20))
+    blocks[:, 5] = 2.5
+    blocks[:, 6] = np.nan
+    expected = [standard_error(series) for series in blocks.T]
+    np.testing.assert_allclose(standard_errors(blocks), expected, rtol=1e-12)
