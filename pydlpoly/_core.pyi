@@ -1023,7 +1023,7 @@ def set_heat(
     ],
 ) -> None:
     """
-    Gives beads with temperatures and heat capacities their coefficients, once; sources: (box, sphere or species, numbers, rate).
+    Gives beads that carry heat their coefficients, once; sources: (box, sphere or species, numbers, rate).
     """
 
 def set_heat_account(

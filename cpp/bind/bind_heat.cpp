@@ -121,7 +121,7 @@ void bind_heat(py::module_& m) {
         .def_readwrite("scaled_repulsion", &HeatPairs::scaled_repulsion);
 
     m.def("set_heat", &set_heat, py::arg("system"), py::arg("pairs"), py::arg("conserving"), py::arg("sources"),
-          "Gives beads with temperatures and heat capacities their coefficients, once; sources: "
+          "Gives beads that carry heat their coefficients, once; sources: "
           "(box, sphere or species, numbers, rate).");
     m.def("internal_energy", &internal_energy, py::arg("system"),
           "Sum of heat capacity times temperature of all beads.");
