@@ -305,6 +305,22 @@ def test_a_checkpoint_keeps_every_bit(tmp_path: Path) -> None:
     assert simulation.positions.tobytes() == again.positions.tobytes()
 
 
+@pytest.mark.parametrize(
+    ("was", "now", "message"),
+    [
+        ({"species": 0}, None, "holds internal temperatures, and the beads of the scene to go on with have none"),
+        (None, {"species": 0}, "holds no internal temperatures, and the beads of the scene to go on with have some"),
+    ],
+)
+def test_what_beads_carry_is_not_lost_on_the_way(
+    tmp_path: Path, was: dict[str, object] | None, now: dict[str, object] | None, message: str
+) -> None:
+    first, second = (fluid() if more is None else carrying(fluid(), **more) for more in (was, now))  # type: ignore[arg-type]
+    Simulation(first, seed=1, threads=1).save(tmp_path / "REVIVE")
+    with pytest.raises(InputError, match=message):
+        Simulation.resume(tmp_path / "REVIVE", scene=second)
+
+
 def test_plans_of_averages_go_through_a_checkpoint() -> None:
     scene = carrying(fluid(control={"profile_frequency": "5 steps", "map_frequency": "7 steps", "map_plane": "xz"}))
     again = scene_from_arrays(*scene_to_arrays(scene))

@@ -34,6 +34,11 @@ def check_continues(stored: Scene, scene: Scene, path: str, cells: tuple[FloatAr
     for name, what in words.items():
         if not np.array_equal(getattr(stored.beads, name), getattr(scene.beads, name)):
             raise InputError(f"holds {what} than the scene to go on with", path=path)
+    warm, to_be_warm = (one.beads.temperature is not None for one in (stored, scene))
+    if warm != to_be_warm:
+        told = ("", "none") if warm else ("no ", "some")
+        message = f"holds {told[0]}internal temperatures, and the beads of the scene to go on with have {told[1]}"
+        raise InputError(message, path=path)
     # The extent of an open axis follows the beads; only periodic axes are part of the scene's identity.
     rows = list(stored.periodic)
     tolerance = _CELL_TOLERANCE * float(np.abs(stored.cell).max())
