@@ -110,28 +110,20 @@ void SpeciesExchange::make_losses(const Row& row, Maps& maps, double duration) c
     }
 }
 
-double SpeciesExchange::normal(const Row& row, std::size_t k, std::size_t s, const Draws& draws) const {
+double SpeciesExchange::strong_normal(const Row& row, std::size_t k, std::size_t s, const Draws& draws) const {
     const std::vector<std::uint32_t>& order = rows_->order();
-    const std::uint32_t i = order[row.i[k]];
-    const std::uint32_t j = order[row.j[k]];
-    double value = 0.0;
-    if (draws.strong) {
-        const std::uint64_t key = draws.seed + s * species_key;
-        value = gaussian(draw(key, Stream::species_noise, draws.step, std::min(i, j), std::max(i, j), row.image[k]));
-    } else {
-        const std::uint32_t salt = static_cast<std::uint32_t>(s) * species_salt + row.image[k];
-        value = normal_table()(mix_words(word_[row.i[k]], word_[row.j[k]], salt));
-    }
-    if (noise_ == FluxNoise::linear) {
-        value = std::clamp(value, -most_noise, most_noise);
-    }
-    return i < j ? value : -value;  // the bead of the smaller id gains
+    const auto [low, high] = std::minmax(order[row.i[k]], order[row.j[k]]);
+    return gaussian(draw(draws.seed + s * species_key, Stream::species_noise, draws.step, low, high, row.image[k]));
 }
 
 // The random part over f(S), of one bead: half of the difference's where both change.
 void SpeciesExchange::make_noise(const Row& row, Maps& maps, const Draws& draws) const {
     const std::size_t pairs = row.size();
+    const std::uint32_t* order = rows_->order().data();
+    const NormalTable& normal = normal_table();
+    const double most = noise_ == FluxNoise::linear ? most_noise : HUGE_VAL;
     for (std::size_t s = 0; s < count_; ++s) {
+        const std::uint32_t salt = static_cast<std::uint32_t>(s) * species_salt;
         for (std::size_t k = 0; k < pairs; ++k) {
             const std::size_t entry = row.term[k] * count_ + s;
             const SpeciesFlux& one = flux_[entry];
@@ -145,7 +137,12 @@ void SpeciesExchange::make_noise(const Row& row, Maps& maps, const Draws& draws)
             const double freedom = kind_[entry] == Kind::free ? 4.0 : 2.0;
             const double squared = one.rate > 0.0 ? lost * (2.0 - lost) / (freedom * one.rate)
                                                   : std::pow(closeness, one.exponent) * draws.duration;
-            noise = one.noise * std::sqrt(squared) * normal(row, k, s, draws);
+            const std::uint32_t i = row.i[k];
+            const std::uint32_t j = row.j[k];
+            const double value = draws.strong ? strong_normal(row, k, s, draws)
+                                              : normal(mix_words(word_[i], word_[j], salt + row.image[k]));
+            const double size = one.noise * std::sqrt(squared) * std::clamp(value, -most, most);
+            noise = order[i] < order[j] ? size : -size;  // the bead of the smaller id gains
         }
     }
 }

@@ -73,7 +73,7 @@ class SpeciesExchange {
     template <bool quadratic, bool gentle>
     void make_losses(const Row& row, Maps& maps, double duration) const;
     void make_noise(const Row& row, Maps& maps, const Draws& draws) const;
-    [[nodiscard]] double normal(const Row& row, std::size_t k, std::size_t s, const Draws& draws) const;
+    [[nodiscard]] double strong_normal(const Row& row, std::size_t k, std::size_t s, const Draws& draws) const;
     template <FluxNoise noise, bool holds>
     void use_maps(const Row& row, const Maps& maps, bool backward, double* outflow);
     void use_row(const Row& row, const Maps& maps, bool backward, double* outflow);
