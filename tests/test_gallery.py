@@ -60,9 +60,10 @@ def test_the_table_of_an_example_is_whole(example: Example) -> None:
     assert "\n" not in example.shows
     assert example.cost is None or example.cost > 0.0
     species = {name for line in example.texts()["CONFIG"].splitlines() if (name := line.split(maxsplit=1)[0]).isalpha()}
-    assert set(example.picture) <= {"steps", "along", "hide", "colour"}
+    assert set(example.picture) <= {"steps", "along", "hide", "colour", "diameter"}
     assert example.picture.get("along", "y") in ("x", "y", "z")
-    assert example.picture.get("colour", "species") in ("species", "vx")
+    colours = ("species", "vx", "temperature", "concentration_first", "concentration_b")
+    assert example.picture.get("colour", "species") in colours
     assert set(example.picture.get("hide", [])) <= species
     assert (ROOT / "docs" / "images" / f"example-{example.name}.png").is_file(), "run `python docs/gallery.py`"
 

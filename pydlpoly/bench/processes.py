@@ -158,7 +158,8 @@ def start_lammps(given: LammpsInput, folder: Path, species: NDArray[np.int32], s
         InputError: LAMMPS is not installed.
         RunError: LAMMPS does not start.
     """
-    config: dict[str, object] = {"box": given.box, "dynamics": given.dynamics}
+    openmp = any(name.endswith("/omp") for name in given.pairs)
+    config: dict[str, object] = {"box": given.box, "dynamics": given.dynamics, "openmp": openmp}
     with np.load(state) as saved:
         positions, velocities = saved["positions"], saved["velocities"]
     types = species.astype(np.int32) + 1

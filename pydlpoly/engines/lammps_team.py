@@ -102,6 +102,7 @@ class ProcessTeam:
             server.listen(ranks)
             self._process = subprocess.Popen(
                 command,
+                cwd=self.folder,  # a source folder that this process runs in has no compiled core
                 env=environment,
                 stdin=subprocess.DEVNULL,
                 stdout=self._said,

@@ -33,7 +33,9 @@ LONG |= {"data_dump_frequency": "20 steps", "traj_interval": "20 steps"}
 
 def command(*words: object) -> list[str]:
     site = ["-S"] if sys.flags.no_site else []
-    return [sys.executable, *site, "-m", "pydlpoly", *map(str, words)]
+    # Not -m: it would find the source folder, which has no compiled core, when the tests run there.
+    program = "import sys; sys.path = [p for p in sys.path if p]; from pydlpoly.cli import main; main()"
+    return [sys.executable, *site, "-c", program, *map(str, words)]
 
 
 def environment() -> dict[str, str]:

@@ -111,7 +111,7 @@ print(written - before, peak() - written)
 def test_a_million_beads_take_little_memory(tmp_path: Path) -> None:
     """The table has 16 MB; the text, 55 MB, is never held as a whole."""
     command = [sys.executable, "-c", _LARGE, str(tmp_path / "BEADS")]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
     writing, reading = (float(word) for word in done.stdout.split())
     assert (tmp_path / "BEADS").stat().st_size > 50e6
     assert writing < 40.0

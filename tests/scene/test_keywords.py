@@ -62,6 +62,7 @@ def test_every_used_keyword_is_asked_for(make, readings):
         control={"coul_method": "spme", **bjerrum, "spme_alpha": "1 dpd_l^-1", "spme_kvec": "[ 8 8 8 ]"}, **charged
     ).scene()
     make(control={"coul_method": "reaction_field", **bjerrum}, **charged).scene()
+    make(control={**REPORTS, "traj_format": "[ extxyz ]"}).scene()
     make(vdw=[f"{pair} mdpd -40 25 1 0.75 4.5" for pair in ("A A", "A B", "B B")]).scene()
     consumed = set().union(*(settings.consumed for settings in readings))
     used = {row.keyword for row in KEYWORDS.values() if is_used(row)}
