@@ -211,12 +211,12 @@ import sys, hashlib, numpy as np
 sys.path.append(sys.argv[1])  # the installed package comes first
 from tests.test_verlet_list import CASES, LATTICE, SHIFTED, system
 digest = hashlib.sha256()
-for precision in ("reference", "double_precision"):
+for precision, exponent in (("reference", 2.0), ("double_precision", 2.0), ("double_precision", 0.41)):
     for cell, table, periodic, frozen in CASES.values():
         velocities = 3.0 * np.random.default_rng(11).standard_normal(LATTICE.shape)
         some = system(SHIFTED, velocities, cell, table, periodic, frozen)
         s = some.settings
-        s.precision = getattr(type(s.precision), precision)
+        s.precision, s.weight_exponent = getattr(type(s.precision), precision), exponent
         some.settings = s
         if not some.plan().startswith("general"):
             continue

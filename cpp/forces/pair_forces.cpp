@@ -2,6 +2,7 @@
 #include "forces/pair_forces.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -28,7 +29,7 @@ int useful_threads(std::int64_t beads) {
 }  // namespace
 
 PairForces::PairForces(PairTable table, double thermal_energy, double timestep)
-    : table_(std::move(table)), phases_(&chosen_phases()), list_(*phases_) {
+    : table_(std::move(table)), phases_(&chosen_phases()), weights_(&weight_loops()), list_(*phases_) {
     double force = table_.characteristic_force(thermal_energy);
     for (const PairDrag& drag : table_.drags()) {
         force = std::max(force, 7.0 * drag.noise / std::sqrt(timestep));
@@ -426,6 +427,17 @@ void PairForces::find_motion(const PairBatch& batch, BatchResult& result, const 
     }
 }
 
+// Turns drag of the weight (1 − r/r_c)² and noise of its root into those of the exponent s.
+void PairForces::change_weights(const PairBatch& batch, BatchResult& result, double cutoff, double exponent) const {
+    const std::size_t whole = (batch.size + batch_lanes - 1) / batch_lanes * batch_lanes;
+    std::array<double, batch_capacity + batch_lanes> change;
+    weights_->common(batch.distance_squared.values, cutoff, 0.5 * exponent - 1.0, change.data(), whole);
+    for (std::size_t k = 0; k < whole; ++k) {
+        result.drag.values[k] *= change[k] * change[k];
+        result.noise.values[k] *= change[k];
+    }
+}
+
 // Drag and noise of a batch: −γ w^D (e·v_ij) e and σ w^R ζ/√Δt e with w^R = √w^D, Español and Warren (1995).
 void PairForces::evaluate_motion(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const {
     PairDrag pair = table_.drags()[batch.term];
@@ -433,10 +445,13 @@ void PairForces::evaluate_motion(const PairBatch& batch, BatchResult& result, co
     pair.noise = request.noise ? pair.noise * request.noise_factor : 0.0;
     const std::vector<std::uint32_t>& order = list_.order();
     const auto* codes = list_.image_codes().empty() ? nullptr : list_.image_codes().data();
-    if (request.weight_exponent == 2.0 && !request.gaussian_noise) {
+    if (!request.gaussian_noise) {
         const MotionArguments arguments{
             motion_.data(), codes, order.data(), pair.drag, pair.noise, request.inverse_root_timestep, pair.cutoff};
         phases_->motion(arguments, batch, result);
+        if (request.weight_exponent != 2.0) {
+            change_weights(batch, result, pair.cutoff, request.weight_exponent);
+        }
         return;
     }
     const std::size_t whole = (batch.size + batch_lanes - 1) / batch_lanes * batch_lanes;

@@ -16,6 +16,7 @@
 #include "forces/pair_table.hpp"
 #include "forces/pair_worker.hpp"
 #include "forces/skin_tuner.hpp"
+#include "forces/weight_loops.hpp"
 
 namespace dlpoly {
 
@@ -93,6 +94,7 @@ class PairForces {
     void finish_batch(const PairWalk& walk, PairWorker& worker);
     void evaluate_motion(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const;
     void find_motion(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const;
+    void change_weights(const PairBatch& batch, BatchResult& result, double cutoff, double exponent) const;
     void add_drag_of_shear(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const;
     void find_worst(const PairWalk& walk, PairWorker& worker) const;
     [[noreturn]] void report_overflow(const PairWorker& worst, std::uint64_t step) const;
@@ -100,6 +102,7 @@ class PairForces {
     PairTable table_;
     Exclusions exclusions_;
     const Phases* phases_;
+    const WeightLoops* weights_;
     PairList list_;
     SkinTuner tuner_;
     double cell_width_ = 0.0;

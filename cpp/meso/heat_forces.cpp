@@ -1,6 +1,7 @@
 // What internal temperatures change of the pair forces (see heat_forces.hpp).
 #include "meso/heat_forces.hpp"
 
+#include <array>
 #include <cmath>
 
 #include "forces/pair_forces.hpp"
@@ -42,29 +43,37 @@ void HeatForces::change_curvature(const PairBatch& batch, double* curvature) con
 
 void HeatForces::change_motion(const PairBatch& batch, BatchResult& result, const PairDrag& drag,
                                const ForceRequest& request) const {
+    using Lanes = std::array<double, batch_capacity + batch_lanes>;
     const std::uint32_t term = batch.term;
-    const bool weight_varies = pairs_->weight_varies(term);
+    const std::size_t whole = (batch.size + batch_lanes - 1) / batch_lanes * batch_lanes;
+    Lanes average;
+    Lanes weight;  // w^D over that of the table's exponent
+    weight.fill(1.0);
+    Lanes logarithm;  // of 1 − r/r_c
+    logarithm.fill(0.0);
+    for (std::size_t k = 0; k < whole; ++k) {
+        average[k] = mean(batch, k);
+    }
+    if (pairs_->weight_varies(term)) {
+        Lanes change;
+        for (std::size_t k = 0; k < whole; ++k) {
+            change[k] = pairs_->weight_exponent(term, average[k]) - request.weight_exponent;
+        }
+        // Outside the drag's own range drag and noise are 0 already.
+        weights_->each(batch.distance_squared.values, drag.cutoff, change.data(), weight.data(), logarithm.data(),
+                       whole);
+    }
+    const double unit = 1.0 / pairs_->reference();
     const bool drag_varies = pairs_->drag_varies(term);
-    for (std::size_t k = 0; k < batch.size; ++k) {
+    for (std::size_t k = 0; k < whole; ++k) {
         const Bead& one = beads_[batch.i.values[k]];
         const Bead& other = beads_[batch.j.values[k]];
         const double a = one.temperature;
         const double b = other.temperature;
-        const double average = 0.5 * (a + b);
-        const double closeness = 1.0 - std::sqrt(batch.distance_squared.values[k]) / drag.cutoff;
-        double factor = 1.0;  // of γ w^D
-        if (drag_varies) {
-            factor = pairs_->drag_factor(term, average);
-        }
-        if (weight_varies) {
-            const double change = pairs_->weight_exponent(term, average) - request.weight_exponent;
-            // Outside the drag's own range both are 0 already, and so close to it that the power overflows.
-            factor *= closeness > 0.0 ? std::pow(closeness, change) : 0.0;
-            factor = std::isfinite(factor) ? factor : 0.0;
-        }
-        result.drag.values[k] *=
-            factor * (1.0 + pairs_->drag_of_noise(term, a, b, one.inverse_capacity, other.inverse_capacity, closeness));
-        result.noise.values[k] *= std::sqrt(factor * HeatPairs::thermal_energy(a, b) / pairs_->reference());
+        const double factor = drag_varies ? weight[k] * pairs_->drag_factor(term, average[k]) : weight[k];
+        result.drag.values[k] *= factor * (1.0 + pairs_->drag_of_noise(term, a, b, one.inverse_capacity,
+                                                                       other.inverse_capacity, logarithm[k]));
+        result.noise.values[k] *= std::sqrt(factor * HeatPairs::thermal_energy(a, b) * unit);
     }
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "forces/pair_modifier.hpp"
+#include "forces/weight_loops.hpp"
 #include "meso/heat_pairs.hpp"
 
 namespace dlpoly {
@@ -14,7 +15,7 @@ namespace dlpoly {
 class HeatForces final : public PairModifier {
   public:
     // The noise of the pair table must be that of the reference temperature.
-    explicit HeatForces(std::shared_ptr<const HeatPairs> pairs) : pairs_(std::move(pairs)) {}
+    explicit HeatForces(std::shared_ptr<const HeatPairs> pairs) : pairs_(std::move(pairs)), weights_(&weight_loops()) {}
 
     void prepare(PairForces& pairs, const Box& box, const Particles& particles, int threads) override;
     void change_conservative(const PairBatch& batch, BatchResult& result) const override;
@@ -34,6 +35,7 @@ class HeatForces final : public PairModifier {
     }
 
     std::shared_ptr<const HeatPairs> pairs_;
+    const WeightLoops* weights_;
     std::vector<Bead> beads_;  // sorted
 };
 

@@ -29,7 +29,10 @@ class HeatPairs {
   public:
     // `reference` is k_B T_ref, `weight_exponent` s at T_ref; all terms begin without conduction.
     HeatPairs(std::int32_t species, double reference, double weight_exponent)
-        : reference_(reference), weight_exponent_(weight_exponent), species_(species) {
+        : reference_(reference),
+          inverse_reference_(1.0 / reference),
+          weight_exponent_(weight_exponent),
+          species_(species) {
         pairs_.resize(static_cast<std::size_t>(species) * static_cast<std::size_t>(species));
     }
 
@@ -50,13 +53,13 @@ class HeatPairs {
 
     // γ of a pair over γ at T_ref.
     [[nodiscard]] double drag_factor(std::uint32_t term, double mean) const noexcept {
-        return std::max(0.0, value(pairs_[term].drag, mean / reference_ - 1.0));
+        return std::max(0.0, value(pairs_[term].drag, mean * inverse_reference_ - 1.0));
     }
 
     // s of w^D = (1 − r/r_c)^s.
     [[nodiscard]] double weight_exponent(std::uint32_t term, double mean) const noexcept {
         constexpr double least = 0.01;
-        return std::max(least, weight_exponent_ * value(pairs_[term].weight, mean / reference_ - 1.0));
+        return std::max(least, weight_exponent_ * value(pairs_[term].weight, mean * inverse_reference_ - 1.0));
     }
     [[nodiscard]] bool weight_varies(std::uint32_t term) const noexcept { return pairs_[term].weight != none; }
     [[nodiscard]] bool drag_varies(std::uint32_t term) const noexcept { return pairs_[term].drag != none; }
@@ -65,16 +68,23 @@ class HeatPairs {
     // T_r of thermal_energy(), because an impulse also changes the temperatures that its noise depends on. Of order
     // 1/C.
     [[nodiscard]] double drag_of_noise(std::uint32_t term, double a, double b, double inverse_capacity_a,
-                                       double inverse_capacity_b, double closeness) const noexcept {
+                                       double inverse_capacity_b, double log_closeness) const noexcept {
         constexpr double least = -0.5, most = 1.0;  // it is the first term of a series
-        const double of_a = 1.0 / (a / b + 1.0), of_b = 1.0 / (b / a + 1.0);
+        const double low = std::min(a, b);          // the same bits whichever of the two comes first
+        const double ratio = low / std::max(a, b);
+        const double of_low = 1.0 / (ratio + 1.0);
+        const double of_high = ratio * of_low;
+        const double of_a = a == low ? of_low : of_high;
+        const double of_b = b == low ? of_low : of_high;
         double sum = 2.0 * (inverse_capacity_a * of_a * of_a + inverse_capacity_b * of_b * of_b);
         if (drag_varies(term) || weight_varies(term)) {
-            const double x = 0.5 * (a + b) / reference_ - 1.0;
+            const double x = 0.5 * (a + b) * inverse_reference_ - 1.0;
             const HeatPair& pair = pairs_[term];
-            const double log_slope = slope(pair.drag, x) / value(pair.drag, x) +
-                                     weight_exponent_ * slope(pair.weight, x) * std::log(closeness);
-            sum += 0.5 * (inverse_capacity_a + inverse_capacity_b) * thermal_energy(a, b) * log_slope / reference_;
+            double log_slope = weight_exponent_ * slope(pair.weight, x) * log_closeness;
+            if (drag_varies(term)) {
+                log_slope += slope(pair.drag, x) / value(pair.drag, x);
+            }
+            sum += (inverse_capacity_a + inverse_capacity_b) * low * of_low * log_slope * inverse_reference_;
         }
         return std::isfinite(sum) ? std::clamp(0.5 * sum, least, most) : 0.0;
     }
@@ -86,7 +96,7 @@ class HeatPairs {
     };
     [[nodiscard]] Conductivity conductivity(std::uint32_t term, double mean) const noexcept {
         const HeatPair& pair = pairs_[term];
-        const double x = mean / reference_ - 1.0;
+        const double x = mean * inverse_reference_ - 1.0;
         const double kappa = pair.conductivity * value(pair.conduction, x);
         if (!(kappa > 0.0)) {
             return {};
@@ -110,6 +120,7 @@ class HeatPairs {
 
     std::vector<HeatPair> pairs_;  // by term
     double reference_;
+    double inverse_reference_;
     double weight_exponent_;
     std::int32_t species_;
 };

@@ -114,8 +114,9 @@ PairSituation PairSweep::situation(const Row& row, std::size_t k, const SweepSet
         const double a = one.temperature;
         const double b = other.temperature;
         const double mean = 0.5 * (a + b);
+        const double log_closeness = heat.weight_varies(term) ? std::log(closeness) : 0.0;
         const double more =
-            1.0 + heat.drag_of_noise(term, a, b, one.inverse_capacity, other.inverse_capacity, closeness);
+            1.0 + heat.drag_of_noise(term, a, b, one.inverse_capacity, other.inverse_capacity, log_closeness);
         pair.drag *= more;
         pair.thermal_energy = HeatPairs::thermal_energy(a, b) / more;
         if (heat.drag_varies(term)) {

@@ -66,7 +66,7 @@ def test_every_used_keyword_is_asked_for(make, readings):
     make(vdw=[f"{pair} mdpd -40 25 1 0.75 4.5" for pair in ("A A", "A B", "B B")]).scene()
     consumed = set().union(*(settings.consumed for settings in readings))
     used = {row.keyword for row in KEYWORDS.values() if is_used(row)}
-    assert len(readings) == 14 + len(orders)
+    assert len(readings) == 15 + len(orders)
     assert used - consumed == set()
     assert consumed - used == set()  # nothing that the table calls ignored or refused is read
 
