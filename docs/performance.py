@@ -1,6 +1,6 @@
 """Measures the numbers of docs/performance.md anew and writes them between its marks: ``python docs/performance.py``.
 
-``--only PART`` (ratios, simd, threads, cost, instructions, python; may be repeated) leaves the other parts alone. A
+``--only PART`` (ratios, carried, simd, threads, cost, instructions, python; may be repeated) leaves the other parts alone. A
 part stands between ``<!-- measured: name -->`` and ``<!-- end: name -->``. Wants a quiet machine, LAMMPS and valgrind.
 """
 
@@ -63,6 +63,12 @@ def ratios() -> str:
     versions = {one.version for scene in report.scenes for one in scene.contenders if one.program == "lammps"}
     words = f"LAMMPS {', '.join(versions)}. Median and quartiles of the ratios of rates:\n\n"
     return _where(report) + words + table(headers, rows)
+
+
+def carried() -> str:
+    """Scenes of LAMMPS's own examples whose beads know more than where they are, against LAMMPS on one core."""
+    report = _measured(["film", "heat", "species"], Options(threads=(1, 2), lammps=True))
+    return _where(report) + _comparisons([report])
 
 
 def simd() -> str:
@@ -219,6 +225,7 @@ def _history_gain() -> str:
 
 PARTS: dict[str, Callable[[], str]] = {
     "ratios": ratios,
+    "carried": carried,
     "simd": simd,
     "threads": threads,
     "cost": costs,

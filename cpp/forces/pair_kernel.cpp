@@ -93,15 +93,11 @@ __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw"), flatten)) void run_
 template <class Law>
 auto choose_loop() -> void (*)(const Law&, const LawLoop&) {
 #ifdef DLPOLY_LAW_VECTORS
-    const Phases* chosen = &chosen_phases();
-    if (chosen == avx512_phases()) {
-        return &run_avx512<Law>;
-    }
-    if (chosen == avx2_phases()) {
-        return &run_avx2<Law>;
-    }
-#endif
+    using Loop = void (*)(const Law&, const LawLoop&);
+    return chosen_version<Loop>(&run_plain<Law>, &run_avx2<Law>, &run_avx512<Law>);
+#else
     return &run_plain<Law>;
+#endif
 }
 
 template <class Law>

@@ -114,4 +114,11 @@ const Phases* avx512_phases();  // likewise
 // The best the processor has, or the one that the environment variable PYDLPOLY_SIMD names.
 const Phases& chosen_phases();
 
+// Of three versions of the same, the one for the instruction set of chosen_phases().
+template <class Version>
+const Version& chosen_version(const Version& plain, const Version& avx2, const Version& avx512) {
+    const Phases* chosen = &chosen_phases();
+    return chosen == avx512_phases() ? avx512 : chosen == avx2_phases() ? avx2 : plain;
+}
+
 }  // namespace dlpoly

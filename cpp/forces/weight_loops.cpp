@@ -8,8 +8,10 @@
 #include "forces/pair_phases.hpp"
 
 #if defined(__GNUC__)
+#define DLPOLY_ALWAYS_INLINE [[gnu::always_inline]] inline
 #define DLPOLY_RESTRICT __restrict
 #else
+#define DLPOLY_ALWAYS_INLINE inline
 #define DLPOLY_RESTRICT
 #endif
 
@@ -17,26 +19,45 @@ namespace dlpoly {
 
 namespace {
 
-#define DLPOLY_WEIGHT_LOOPS(set, target)                                                            \
-    target void set##_common(const double* DLPOLY_RESTRICT squared, double cutoff, double exponent, \
-                             double* DLPOLY_RESTRICT power, std::size_t count) {                    \
-        const std::size_t whole = count / batch_lanes * batch_lanes;                                \
-        for (std::size_t k = 0; k < whole; ++k) {                                                   \
-            power[k] = power_of(1.0 - std::sqrt(squared[k]) / cutoff, exponent);                    \
-        }                                                                                           \
-    }                                                                                               \
-    target void set##_each(const double* DLPOLY_RESTRICT squared, double cutoff,                    \
-                           const double* DLPOLY_RESTRICT exponent, double* DLPOLY_RESTRICT raised,  \
-                           double* DLPOLY_RESTRICT logarithm, std::size_t count) {                  \
-        const std::size_t whole = count / batch_lanes * batch_lanes;                                \
-        for (std::size_t k = 0; k < whole; ++k) {                                                   \
-            const double closeness = 1.0 - std::sqrt(squared[k]) / cutoff;                          \
-            const bool some = closeness > 0.0;                                                      \
-            logarithm[k] = power::logarithm(some ? closeness : 1.0);                                \
-            const double value = power::exponential(exponent[k] * logarithm[k]);                    \
-            raised[k] = some ? value : 0.0;                                                         \
-        }                                                                                           \
-    }                                                                                               \
+struct Pairs {
+    const double* distance_squared;
+    double cutoff;
+    std::size_t count;
+};
+
+// Always part of their callers, so that they are compiled for the callers' instruction set.
+DLPOLY_ALWAYS_INLINE void run_common(const Pairs& pairs, double exponent, double* DLPOLY_RESTRICT raised) {
+    const double* DLPOLY_RESTRICT squared = pairs.distance_squared;
+    const double cutoff = pairs.cutoff;
+    const std::size_t whole = pairs.count / batch_lanes * batch_lanes;
+    for (std::size_t k = 0; k < whole; ++k) {
+        raised[k] = power_of(1.0 - std::sqrt(squared[k]) / cutoff, exponent);
+    }
+}
+
+DLPOLY_ALWAYS_INLINE void run_each(const Pairs& pairs, const double* DLPOLY_RESTRICT exponent,
+                                   double* DLPOLY_RESTRICT raised, double* DLPOLY_RESTRICT logarithm) {
+    const double* DLPOLY_RESTRICT squared = pairs.distance_squared;
+    const double cutoff = pairs.cutoff;
+    const std::size_t whole = pairs.count / batch_lanes * batch_lanes;
+    for (std::size_t k = 0; k < whole; ++k) {
+        const double closeness = 1.0 - std::sqrt(squared[k]) / cutoff;
+        const bool some = closeness > 0.0;
+        logarithm[k] = power::logarithm(some ? closeness : 1.0);
+        const double value = power::exponential(exponent[k] * logarithm[k]);
+        raised[k] = some ? value : 0.0;
+    }
+}
+
+#define DLPOLY_WEIGHT_LOOPS(set, target)                                                                \
+    target void set##_common(const double* squared, double cutoff, double exponent, double* power,      \
+                             std::size_t count) {                                                       \
+        run_common({squared, cutoff, count}, exponent, power);                                          \
+    }                                                                                                   \
+    target void set##_each(const double* squared, double cutoff, const double* exponent, double* power, \
+                           double* logarithm, std::size_t count) {                                      \
+        run_each({squared, cutoff, count}, exponent, power, logarithm);                                 \
+    }                                                                                                   \
     constexpr WeightLoops set##_loops{&set##_common, &set##_each};
 
 DLPOLY_WEIGHT_LOOPS(plain, )
@@ -49,15 +70,10 @@ DLPOLY_WEIGHT_LOOPS(avx512, __attribute__((target("avx512f,avx512dq,avx512vl,avx
 
 const WeightLoops& weight_loops() {
 #ifdef DLPOLY_LAW_VECTORS
-    const Phases* chosen = &chosen_phases();
-    if (chosen == avx512_phases()) {
-        return avx512_loops;
-    }
-    if (chosen == avx2_phases()) {
-        return avx2_loops;
-    }
-#endif
+    return chosen_version(plain_loops, avx2_loops, avx512_loops);
+#else
     return plain_loops;
+#endif
 }
 
 }  // namespace dlpoly

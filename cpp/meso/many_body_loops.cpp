@@ -109,15 +109,10 @@ DLPOLY_LOOPS_FOR(avx512, __attribute__((target("avx512f,avx512dq,avx512vl,avx512
 
 const ManyBodyLoops& many_body_loops() {
 #ifdef DLPOLY_LAW_VECTORS
-    const Phases* chosen = &chosen_phases();
-    if (chosen == avx512_phases()) {
-        return avx512_loops;
-    }
-    if (chosen == avx2_phases()) {
-        return avx2_loops;
-    }
-#endif
+    return chosen_version(plain_loops, avx2_loops, avx512_loops);
+#else
     return plain_loops;
+#endif
 }
 
 }  // namespace dlpoly

@@ -162,7 +162,7 @@ def test_film_becomes_a_sphere() -> None:
     assert values.mean() == pytest.approx(radius**2 / 5.0, rel=0.06)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_contact_angles_of_the_example() -> None:
     """docs/wetting.py in short: the angles of docs/many-body.md within 8 degrees, four standard errors of 40 frames."""
     script = docs_script("wetting")

@@ -365,7 +365,9 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.long] if name in ("extxyz", "history") else []) for name in FORMATS]
+)
 def test_a_million_beads_in_bounded_memory(tmp_path: Path, name: str) -> None:
     """Frames of 10⁶ beads (60 MB of arrays, text of 160 MB): two more of them take less memory than one does."""
 
