@@ -1,8 +1,8 @@
 """Measures the numbers of docs/performance.md anew and writes them between its marks: ``python docs/performance.py``.
 
 ``--only PART`` (ratios, carried, simd, threads, cost, instructions, python; may be repeated) leaves the other parts as
-they are. A part stands between ``<!-- measured: name -->`` and ``<!-- end: name -->``. Wants a quiet machine, LAMMPS and
-valgrind.
+they are. A part stands between ``<!-- measured: name -->`` and ``<!-- end: name -->``. Wants a quiet machine, LAMMPS
+and valgrind.
 """
 
 from __future__ import annotations
