@@ -261,6 +261,9 @@ void SpeciesExchange::sweep(State& state, const PairTable& table, const StepSett
     std::vector<double> flowed(any_held_ ? rows_->count() * count_ : count_);
     maps_.resize(static_cast<std::size_t>(threads));
     rows_->visit(backward, threads, [&](const Row& row, std::size_t where, std::size_t thread) {
+        if (row.size() == 0) {
+            return;
+        }
         make_maps(row, maps_[thread], draws);
         use_row(row, maps_[thread], backward, any_held_ ? &flowed[where * count_] : nullptr);
     });
