@@ -50,7 +50,6 @@ def field_text(
     frozen: Sequence[str] = (),
     extern: str = "",
     units: str = "dpd",
-    extension: str = "",
     extensions: str = "",
 ) -> str:
     """FIELD with one molecule type of single beads for every species."""
@@ -61,7 +60,7 @@ def field_text(
         lines += ["finish"]
     lines += [f"vdw {len(pairs)}", *pairs] if pairs else []
     lines += ["extern", extern] if extern else []
-    return "\n".join([*lines, "close", extension, extensions])
+    return "\n".join([*lines, "close", extensions])
 
 
 def make_scene(
@@ -80,7 +79,6 @@ def make_scene(
     units: str = "dpd",
     extensions: str = "",
     start_seed: int = 1,
-    extension: str = "",
 ) -> Scene:
     """Return the scene of these inputs, by default DPD at k_B T = 1 in reduced units.
 
@@ -91,7 +89,7 @@ def make_scene(
         positions: (N, 3); by default independent uniform ones, from ``start_seed``.
         velocities: (N, 3); given ones are kept as they are (``restart noscale``).
         control: settings that replace or, with None, remove the default ones.
-        masses, charges, frozen, extern, units, extension: as in ``field_text``; the last is text after ``close``.
+        masses, charges, frozen, extern, units, extensions: as in ``field_text``; the last is text after ``close``.
     """
     box = cell_of(cell)
     count = sum(beads.values())
@@ -117,7 +115,6 @@ def make_scene(
             frozen=frozen,
             extern=extern,
             units=units,
-            extension=extension,
             extensions=extensions,
         )
         (Path(folder) / "FIELD").write_text(field)

@@ -50,7 +50,7 @@ def still(
         positions=places,
         velocities=np.zeros_like(places),
         control=control,
-        extension=block(*lines),
+        extensions=block(*lines),
         **more,  # type: ignore[arg-type]
     )
 
@@ -148,7 +148,7 @@ def test_exchange_is_between_the_beads_as_they_are_after_a_step(name: str) -> No
         ["A A dpd 25.0 1.0 4.5"],
         cell=[3.6, 3.4, 4.0],
         control=MOVING[name],
-        extension=block("species a", f"pair A A a kappa {kappa} range {reach}"),
+        extensions=block("species a", f"pair A A a kappa {kappa} range {reach}"),
     )
     values = np.random.default_rng(5).random((120, 1))
     simulation = started(scene, values)
@@ -275,7 +275,7 @@ def test_sums_are_kept_and_nothing_falls_below_zero() -> None:
         {"A": 300, "B": 300},
         ["A A dpd 25.0 1.0 4.5", "A B dpd 30.0 1.0 4.5", "B B dpd 25.0 1.0 4.5"],
         cell=5.85,
-        extension=block(
+        extensions=block(
             "species a b c",
             "pair * * a kappa 2.0 range 1.5 noise 0.3",
             "pair * * b kappa 0.3 range 0.8 exponent 1.0 noise 0.1",
@@ -458,7 +458,7 @@ def test_well_mixed_water_follows_the_rate_equations() -> None:
         {"A": 375},
         cell=5.0,
         control={"timestep": "0.05 internal_t", "ensemble_dpd_order": "middle"},
-        extension=block(
+        extensions=block(
             "species a b c d",
             *NETWORK,
             *(f"start {n} {x}" for n, x in zip("abcd", START, strict=True)),
@@ -501,7 +501,7 @@ def everything(**control: str) -> Scene:
         cell=[9.0, 8.0, 9.7],
         frozen=["W"],
         control=control,
-        extension=block(*EVERYTHING),
+        extensions=block(*EVERYTHING),
     )
 
 
@@ -532,7 +532,7 @@ def test_dynamics_do_not_feel_what_is_dissolved(precision: str) -> None:
     plain = make_scene({"A": 300}, cell=4.7, control={"precision": precision, "ensemble_dpd_exponent": "2.5"})
     extension = block("species a", "pair A A a kappa 1.0 range 1.0 noise 0.1", "start a 1.0")
     with_species = make_scene(
-        {"A": 300}, cell=4.7, control={"precision": precision, "ensemble_dpd_exponent": "2.5"}, extension=extension
+        {"A": 300}, cell=4.7, control={"precision": precision, "ensemble_dpd_exponent": "2.5"}, extensions=extension
     )
     states = []
     for scene in (plain, with_species):
@@ -571,7 +571,7 @@ def test_scenes_that_make_no_sense_are_refused_with_file_line_and_word(line: str
 
 def test_an_unknown_extension_is_refused() -> None:
     with pytest.raises(InputError, match=r"'transprot': unknown extension.*did you mean transport\?"):
-        make_scene({"A": 1}, cell=10.0, extension="extension transprot\nend extension\n")
+        make_scene({"A": 1}, cell=10.0, extensions="extension transprot\nend extension\n")
 
 
 def test_explain_says_everything_and_notes_what_has_no_effect() -> None:

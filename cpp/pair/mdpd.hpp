@@ -2,13 +2,11 @@
 // depends on local densities is cpp/meso/many_body.hpp.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <span>
 #include <string_view>
 
-#include "pair/arithmetic.hpp"
+#include "pair/dpd.hpp"
 #include "pair/law.hpp"
 #include "pair/parameters.hpp"
 
@@ -28,29 +26,26 @@ class ManyBodyDpd {
                                   .mixable = true,
                                   .shiftable = false};
 
-    ManyBodyDpd(std::span<const double> parameters, double cutoff) {
+    ManyBodyDpd(std::span<const double> parameters, double cutoff) : repulsion_(checked(parameters, cutoff), cutoff) {}
+
+    double range() const noexcept { return repulsion_.range(); }
+
+    PairValue operator()(double distance_squared) const noexcept { return repulsion_(distance_squared); }
+
+  private:
+    // A and r_c of the part between pairs, once all seven numbers are in order.
+    static std::array<double, 2> checked(std::span<const double> parameters, double cutoff) {
         const Parameters given(info, parameters, cutoff);
-        strength_ = given.any(0);
         given.not_negative(1);
         given.require(given.any(2) >= 2.0, 2, "2 or more");
         given.require(given.any(3) >= 1.0 || given.any(3) == 0.0, 3, "1 or more, or 0 where the species say it");
-        range_ = given.positive(4);
+        const double range = given.positive(4);
         given.positive(5);
-        given.require(given.any(5) <= range_, 5, "at most rc");
-        inverse_range_ = 1.0 / range_;
-        half_energy_ = 0.5 * strength_ * range_;
+        given.require(given.any(5) <= range, 5, "at most rc");
+        return {given.any(0), range};
     }
 
-    double range() const noexcept { return range_; }
-
-    PairValue operator()(double distance_squared) const noexcept {
-        const double distance = std::sqrt(distance_squared);
-        const double weight = std::max(0.0, 1.0 - distance * inverse_range_);
-        return {half_energy_ * weight * weight, strength_ * weight * inverse_or_zero(distance)};
-    }
-
-  private:
-    double strength_, range_, inverse_range_, half_energy_;
+    Dpd repulsion_;
 };
 
 }  // namespace dlpoly::pair

@@ -40,11 +40,6 @@ def check_continues(stored: Scene, scene: Scene, path: str, cells: tuple[FloatAr
         raise InputError(f"holds {was}, but the scene to go on with has {now}", path=path)
     if not np.array_equal(_capacities(stored), _capacities(scene)):
         raise InputError("holds other heat capacities than the scene to go on with", path=path)
-    warm, to_be_warm = (one.beads.temperature is not None for one in (stored, scene))
-    if warm != to_be_warm:
-        told = ("", "none") if warm else ("no ", "some")
-        message = f"holds {told[0]}internal temperatures, and the beads of the scene to go on with have {told[1]}"
-        raise InputError(message, path=path)
     # The extent of an open axis follows the beads; only periodic axes are part of the scene's identity.
     rows = list(stored.periodic)
     tolerance = _CELL_TOLERANCE * float(np.abs(stored.cell).max())

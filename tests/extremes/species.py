@@ -26,7 +26,7 @@ def still(places: FloatArray, *lines: str, timestep: float = 0.01, cell: float =
         positions=places,
         velocities=np.zeros_like(places),
         control={**NVE, "timestep": f"{timestep!r} internal_t"},
-        extension=text,
+        extensions=text,
     )
 
 

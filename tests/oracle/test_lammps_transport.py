@@ -44,7 +44,7 @@ def test_fluxes_of_one_frame(tmp_path: Path) -> None:
         velocities=np.zeros((600, 3)),
         control={"timestep": f"{timestep!r} internal_t", "ensemble": "nve", "ensemble_method": None,
                  "ensemble_dpd_order": None, "cutoff": "1.3 ang"},
-        extension="\n".join([
+        extensions="\n".join([
             "extension transport", "species a b", "start a 1e3 box * 0 * * * *", "start b 1e3 in B",
             f"pair * * a kappa {KAPPA[0]} range {REACH} exponent {EXPONENT[0]}",
             f"pair A A b kappa {KAPPA[1]} range {REACH} exponent {EXPONENT[1]}",

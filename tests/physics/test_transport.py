@@ -56,7 +56,7 @@ def test_diffusivity_of_exchange_and_of_the_beads() -> None:
         ["W W dpd 18.75 1.58 4.5"],
         cell=edges,
         control={"cutoff": "1.58 ang", "ensemble_dpd_exponent": "0.41"},
-        extension="\n".join([
+        extensions="\n".join([
             "extension transport",
             "species a b c",
             *(f"pair W W {n} kappa {k} range {r} exponent {s}" for n, (k, r, s) in zip("abc", kinds, strict=True)),
