@@ -21,8 +21,9 @@ FourierMesh::~FourierMesh() = default;
 
 void FourierMesh::transform(bool forward) {
     while (plans_->of_thread.size() < static_cast<std::size_t>(thread_limit())) {
-        // A copy: Eigen declares the flag without a definition, so that nothing may refer to it.
-        plans_->of_thread.emplace_back(Eigen::FFT<double>::impl_type(), int{Eigen::FFT<double>::Unscaled});
+        // A copy: some versions of Eigen declare the flag without a definition, so that nothing may refer to it.
+        using Fft = Eigen::FFT<double>;
+        plans_->of_thread.emplace_back(Fft::impl_type(), Fft::Flag{Fft::Unscaled});
     }
     std::int64_t stride = 1;
     for (const std::int32_t length : points_) {
