@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from pydlpoly import Simulation, load
-from pydlpoly.correlations import StressCorrelations, has_pair_noise
 from pydlpoly.errors import InputError, SceneError
 from pydlpoly.formats.cor import Correlation, Derived, write_correlations
+from pydlpoly.reporters import StressCorrelations
+from pydlpoly.reporters.stress_correlations import has_pair_noise
 from pydlpoly.runner import run_scene
 from pydlpoly.scene.model import CorrelationPlan, CorrelationTerm
 
