@@ -240,7 +240,7 @@ class Recorder:
 def test_reporters_are_called_in_their_steps_whatever_the_chunks(
     scene: pydlpoly.Scene, monkeypatch: pytest.MonkeyPatch, chunk: int
 ) -> None:
-    monkeypatch.setattr(Simulation, "_chunk", lambda _self: chunk)
+    monkeypatch.setattr(Pace, "chunk", lambda _self: chunk)
     simulation = Simulation(scene, threads=1, seed=5)
     often, seldom, done = Recorder(7), Recorder(10), Recorder(5, limit=10)
     simulation.reporters += [often, seldom, done]
@@ -328,7 +328,7 @@ def test_ctrl_c_leaves_a_simulation_that_goes_on_with_the_same_bits(scene: pydlp
 
 def test_reporters_that_sleep_cost_no_calls(scene: pydlpoly.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     """Between two reports the reporters are not asked again, however many chunks there are."""
-    monkeypatch.setattr(Simulation, "_chunk", lambda _self: 1)
+    monkeypatch.setattr(Pace, "chunk", lambda _self: 1)
     asked: list[int] = []
 
     class Counting(Recorder):
