@@ -18,8 +18,8 @@ from pydlpoly.analysis import MeanSquareDisplacement, RadialDistribution, analys
 from pydlpoly.bench.scenes import cube, dissolved_species, single_beads
 from pydlpoly.formats.history_reader import Frame
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.reporters import StressProfile
 from pydlpoly.scene.model import Scene
-from pydlpoly.stress_profile import StressProfile
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.append(str(ROOT))  # last: an installed pydlpoly goes before the source folder

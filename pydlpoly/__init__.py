@@ -18,8 +18,10 @@ except ImportError as error:  # the source folder shadows the installed package,
     ) from error
 
 from pydlpoly.errors import InputError, InputWarning, PydlpolyError, RunError, SceneError
+from pydlpoly.observation import Observation, SinglePoint, single_point
 from pydlpoly.scene import Scene, load
-from pydlpoly.simulation import Observation, Simulation, SinglePoint, State, single_point
+from pydlpoly.simulation import Simulation
+from pydlpoly.state import State
 
 __all__ = [
     "InputError",

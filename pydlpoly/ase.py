@@ -41,12 +41,13 @@ from pydlpoly.formats.records import (
     IntArray,
     Setting,
 )
+from pydlpoly.observation import single_point
 from pydlpoly.scene.beads_state import CONCENTRATION, DENSITY, TEMPERATURE, dissolved_species, start_arrays
 from pydlpoly.scene.cell import resolve_cell, wrap
 from pydlpoly.scene.load import load
 from pydlpoly.scene.model import Note, Scene
 from pydlpoly.scene.settings import Notes
-from pydlpoly.simulation import State, single_point
+from pydlpoly.state import State
 
 Path_ = str | PathLike[str]
 ControlLike = Path_ | Control | Mapping[str, Any]

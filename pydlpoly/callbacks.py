@@ -8,14 +8,15 @@ callbacks are added again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pydlpoly.errors import RunError, suggest
+from pydlpoly.errors import InputWarning, RunError, suggest
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.beads_state import CONCENTRATION, DENSITY, TEMPERATURE, carried_names, dissolved_species, why_not
 
@@ -191,6 +192,44 @@ class Callback:
                     raise RunError(f"{place}: {key} is given twice")
                 found[key] = column
         return found
+
+
+class Callbacks:
+    """The callbacks of a simulation, in the order in which they were added."""
+
+    def __init__(self) -> None:
+        self._all: list[Callback] = []
+        self._missed: set[tuple[str, int]] = set()
+
+    def add(self, function: CallbackFunction, every: int) -> None:
+        """Add a function that is called every so many steps; see ``Callback``."""
+        callback = Callback(function, every)
+        self._all.append(callback)
+        self._missed.discard((callback.name, callback.every))
+
+    def next_steps(self, step: int) -> list[int]:
+        """Return the first step after ``step`` at which each is due."""
+        return [callback.next_step(step) for callback in self._all]
+
+    def due(self, step: int) -> list[Callback]:
+        """Return those that are due at this step."""
+        return [callback for callback in self._all if step % callback.every == 0]
+
+    def identities(self) -> list[list[str | int]]:
+        """Return names and intervals, for the checkpoint."""
+        return [[callback.name, callback.every] for callback in self._all]
+
+    def expect(self, identities: Iterable[Sequence[Any]]) -> None:
+        """Expect those of a checkpoint to be added again."""
+        self._missed = {(str(name), int(every)) for name, every in identities}
+
+    def warn_of_missed(self) -> None:
+        """Warn the caller's caller, once, of expected ones that were not added."""
+        if self._missed:
+            told = ", ".join(f"{name} every {every} steps" for name, every in sorted(self._missed))
+            text = f"the checkpoint is of a run with callbacks that were not added again: {told}"
+            warnings.warn(InputWarning(text), stacklevel=3)
+            self._missed = set()
 
 
 def _name_of(function: object) -> str:

@@ -17,25 +17,27 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from pydlpoly.bin_reporter import bin_reporters
 from pydlpoly.callbacks import CallbackFunction
-from pydlpoly.correlations import StressCorrelations
 from pydlpoly.errors import InputError, RunError
 from pydlpoly.formats.output import RunSummary
 from pydlpoly.interrupts import deferred_signals
 from pydlpoly.reporters import (
     CheckpointReporter,
+    DensityReporter,
     DiagnosticsReporter,
+    DisplacementReporter,
     OutputReporter,
     StatisticsReporter,
+    StressCorrelations,
+    StressProfile,
     TrajectoryReporter,
+    VelocityReporter,
+    samplers,
     stress_reporters,
 )
-from pydlpoly.sampling import DensityReporter, DisplacementReporter, VelocityReporter
 from pydlpoly.scene.beads_state import carried_names
 from pydlpoly.scene.model import Scene
 from pydlpoly.simulation import Reporter, Simulation
-from pydlpoly.stress_profile import StressProfile
 from pydlpoly.trajectories import FORMATS
 from pydlpoly.trajectories.reporter import FormatsReporter
 
@@ -265,17 +267,6 @@ def _refuse_clashes(paths: list[Path], scene: Scene, allowed: list[Path]) -> Non
         seen.add(real)
 
 
-def _samplers(simulation: Simulation, folder: Path, *, append: bool) -> Iterator[_File]:
-    output = simulation.scene.output
-    if output.zden_every > 0:
-        yield DensityReporter(simulation, folder / "ZDNDAT")
-    if output.vaf_every > 0:
-        yield VelocityReporter(simulation, folder, append=append)
-    if output.msd_every > 0:
-        yield DisplacementReporter(simulation, folder / output.msd_file, append=append)
-    yield from bin_reporters(simulation, folder)
-
-
 @contextmanager
 def _reporters(
     simulation: Simulation, folder: Path, *, append: bool
@@ -303,7 +294,7 @@ def _reporters(
                 formats = FormatsReporter(simulation, folder, append=append)
                 opened.callback(formats.close)
                 files.append(formats)
-            for sampler in _samplers(simulation, folder, append=append):
+            for sampler in samplers(simulation, folder, append=append):
                 opened.callback(sampler.close)
                 files.append(sampler)
             log = OutputReporter(simulation, path, append=append, stream=sys.stdout if screen else None)

@@ -10,10 +10,9 @@ from __future__ import annotations
 import math
 import secrets
 import time as clock
-import warnings
 from collections import defaultdict
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 from operator import methodcaller
 from pathlib import Path
 from typing import Any, Protocol, get_args, runtime_checkable
@@ -21,14 +20,26 @@ from typing import Any, Protocol, get_args, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from pydlpoly.callbacks import Callback, CallbackFunction
-from pydlpoly.engines.native import NativeEngine, Totals, default_threads
-from pydlpoly.engines.protocol import ENGINES, Engine, EngineOptions
-from pydlpoly.errors import InputError, InputWarning, RunError, SceneError
+from pydlpoly.callbacks import CallbackFunction, Callbacks
+from pydlpoly.checkpointing import (
+    engine_numbers,
+    engine_to_arrays,
+    restore_engine,
+    scene_to_continue,
+    totals_from_arrays,
+    totals_to_arrays,
+)
+from pydlpoly.engines.choice import make_engine
+from pydlpoly.engines.native import default_threads
+from pydlpoly.engines.protocol import EngineOptions
+from pydlpoly.engines.totals import Totals
+from pydlpoly.errors import InputError, RunError, SceneError
 from pydlpoly.formats.checkpoint import read_checkpoint, write_checkpoint
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.formats.species_balance import SpeciesBalance
 from pydlpoly.interrupts import deferred_signals
+from pydlpoly.observation import Observation, observation_of
+from pydlpoly.pace import Pace
 from pydlpoly.scene.beads_state import (
     CONCENTRATION,
     DENSITY,
@@ -36,109 +47,12 @@ from pydlpoly.scene.beads_state import (
     carried_arrays,
     dissolved_species,
     has_local_density,
-    why_not,
 )
-from pydlpoly.scene.continuation import check_continues
-from pydlpoly.scene.model import BondedKind, Precision, Scene
-from pydlpoly.scene.serialise import scene_from_arrays, scene_to_arrays
+from pydlpoly.scene.model import Precision, Scene
+from pydlpoly.scene.serialise import scene_to_arrays
+from pydlpoly.state import State, check_carried, check_motion
 
-_SECONDS_PER_CHUNK = 0.2  # how long Ctrl-C may wait in scenes of usual size
-_STEPS_PER_CHUNK = 20  # at least, unless they take longer than
-_LONGEST_CHUNK = 20.0  # seconds
-_MOST_CELLS = 2.0**30  # that a bead may be away from the cell
-
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """A copy of what a simulation's beads do now; changing it changes nothing in the simulation.
-
-    Attributes:
-        positions: (N, 3) wrapped into the cell, Å.
-        velocities: (N, 3), Å/ps.
-        forces: (N, 3) total force including drag and noise, Da Å/ps².
-        images: (N, 3) cells crossed since the start; unwrapped = positions + images @ cell.
-        step: number of steps taken since the scene's start; time: ps.
-        temperature: (N,) internal temperatures, K (reduced with ``units dpd``); None where beads carry no heat.
-        concentrations: (N, species) of dissolved species; None where there are none.
-        density: (N,) local densities at the last evaluation of the forces; None where no pair law depends on them.
-    """
-
-    positions: FloatArray
-    velocities: FloatArray
-    forces: FloatArray
-    images: NDArray[np.int32]
-    cell: FloatArray
-    step: int
-    time: float
-    temperature: FloatArray | None = None
-    concentrations: FloatArray | None = None
-    density: FloatArray | None = None
-
-    @property
-    def unwrapped(self) -> FloatArray:
-        """(N, 3) positions followed across cell boundaries since the start."""
-        return self.positions + self.images @ self.cell
-
-
-@dataclass(frozen=True, eq=False)
-class Observation:
-    """What can be said about one step.
-
-    Energies and virials are in internal units (10 J/mol); a virial is −Σ r·F, DL_POLY's sign. Temperature is in K and
-    pressure in katm; in scenes with ``units dpd`` both are reduced (k_B = 1).
-
-    Attributes:
-        energy: by component: "pair", "bond", "angle", "dihedral", "inversion", "tether", "charge", "field" (of external
-            fields and walls), "potential" (all of these), "kinetic", "total" (potential and kinetic) and "thermostat"
-            (what hoover's variable holds; its sum with total is conserved. With npt and nst what the piston holds, and
-            P V of the target). Where beads carry heat also "internal" (Σ C_v T) and "conserved": total and internal
-            energy less what sources and beads of held temperature gave (see docs/heat.md).
-        stress: (3, 3) pressure tensor in the pressure unit, all parts.
-        stress_parts: the same by part: "kinetic", "conservative" (pairs), "drag", "noise", "bonded", "charge", and
-            "constraint" where distances are fixed.
-        virial: −Σ r·F of all forces; ``pair_virial``: of the conservative pair forces alone.
-        momentum: (3,) total momentum in Da Å/ps; in a sheared cell it, the temperature and the kinetic stress are of
-            velocities relative to the flow.
-        bonded_virial: −Σ r·F by component: "bond", "angle", "dihedral", "inversion", "tether".
-        constraint_virial: −Σ r·F of the forces that keep distances fixed.
-        charge_virial: −Σ r·F of the electrostatics.
-    """
-
-    step: int
-    time: float
-    energy: dict[str, float]
-    temperature: float
-    pressure: float
-    stress: FloatArray
-    stress_parts: dict[str, FloatArray]
-    virial: float
-    pair_virial: float
-    volume: float
-    momentum: FloatArray
-    bonded_virial: dict[str, float]
-    charge_virial: float
-    constraint_virial: float = 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class SinglePoint:
-    """Energy, forces and stress of a scene's configuration: pair laws, bonded terms, charges and external fields.
-
-    The forces that keep distances fixed are not among them: they depend on velocities.
-
-    Attributes:
-        energy: by component, internal units: "pair" (with the long-range correction and scaled 1-4 pairs), "bond",
-            "angle", "dihedral", "inversion", "tether", "charge", "field" (external fields and walls) and "total".
-        forces: (N, 3), Da Å/ps²; frozen beads feel none.
-        stress: (3, 3) configurational pressure tensor Σ F_a r_b / V, internal pressure (Da/(Å ps²)); a repulsion is
-            positive.
-        virial: −Σ r·F = −V · trace(stress), DL_POLY's sign.
-    """
-
-    energy: dict[str, float]
-    forces: FloatArray
-    stress: FloatArray
-    virial: float
+_REPORTER = "reporter."  # names of arrays of reporters in a checkpoint begin with it
 
 
 class Reporter(Protocol):
@@ -209,8 +123,13 @@ class Simulation:
             raise SceneError(f"the number of threads must be at least 1, not {threads}")
         self.reporters: list[Reporter] = []
         self.engine = engine
-        self._engine = _engine(
-            engine, scene, self.seed, self.threads, cell_width, EngineOptions(ranks=ranks, accelerator=accelerator)
+        self._engine = make_engine(
+            engine,
+            scene,
+            seed=self.seed,
+            threads=self.threads,
+            cell_width=cell_width,
+            options=EngineOptions(ranks=ranks, accelerator=accelerator),
         )
         self._observation: Observation | None = None
         self._stored_totals: Totals | None = None  # of a checkpoint, until the first step
@@ -219,16 +138,16 @@ class Simulation:
         self.start_positions: FloatArray = np.asarray(self._engine.system.positions)
         self._start_amounts = self._amounts()
         self._configurational: tuple[int, tuple[float, float]] | None = None  # with its step
-        self._rate = 0.0
+        self._pace = Pace()
         self.seconds: defaultdict[str, float] = defaultdict(float)
         self._interrupted = False
         self._reporter_state: dict[str, NDArray[Any]] = {}
-        self._callbacks: list[Callback] = []
-        self._missed_callbacks: set[tuple[str, int]] = set()  # of the checkpoint, until they are added
+        self._callbacks = Callbacks()
         output = scene.output
         if output.rdf_every > 0:
-            after = 0 if scene.run.record_equilibration else scene.run.equilibration_steps
-            self._engine.system.enable_distances(scene.cutoff, self.rdf_bins, output.rdf_every, after)
+            self._engine.system.enable_distances(
+                scene.cutoff, self.rdf_bins, output.rdf_every, scene.run.averages_after
+            )
 
     # Running
 
@@ -250,7 +169,7 @@ class Simulation:
         if steps < 0:
             raise RunError(f"the number of steps must not be negative, not {steps}")
         last = self.step + steps
-        self._warn_of_missed_callbacks()
+        self._callbacks.warn_of_missed()
         try:
             with deferred_signals(self.interrupt):
                 if progress:
@@ -275,10 +194,10 @@ class Simulation:
     def _run_to(self, last: int, show: Callable[[], None] | None) -> None:
         due = [(reporter, self._next_step(reporter)) for reporter in self.reporters]
         while self.step < last:
-            calls = [callback.next_step(self.step) for callback in self._callbacks]
-            stop = min([last, *calls, *(step for _, step in due if step is not None)])
-            self._advance(min(stop - self.step, self._chunk()))
-            self._call_back()
+            stop = min([last, *self._callbacks.next_steps(self.step), *(step for _, step in due if step is not None)])
+            self._advance(min(stop - self.step, self._pace.chunk()))
+            for callback in self._callbacks.due(self.step):
+                self._take_over(callback.values(self))
             for k, (reporter, step) in enumerate(due):
                 if step == self.step:
                     begin = clock.perf_counter()
@@ -307,14 +226,7 @@ class Simulation:
             ValueError: the interval is not a positive whole number. The run raises RunError, with the function's name,
                 when it fails or returns arrays of another shape or with impossible numbers.
         """
-        callback = Callback(function, every)
-        self._callbacks.append(callback)
-        self._missed_callbacks.discard((callback.name, callback.every))
-
-    def _call_back(self) -> None:
-        for callback in self._callbacks:
-            if self.step % callback.every == 0:
-                self._take_over(callback.values(self))
+        self._callbacks.add(function, every)
 
     def _take_over(self, given: dict[str, FloatArray]) -> None:
         """Replace what beads carry by new values, by name, without a new evaluation of the forces."""
@@ -328,24 +240,11 @@ class Simulation:
         self._engine.exchange(temperatures, concentrations)
         self._observation = None
 
-    def _warn_of_missed_callbacks(self) -> None:
-        if self._missed_callbacks:
-            told = ", ".join(f"{name} every {every} steps" for name, every in sorted(self._missed_callbacks))
-            text = f"the checkpoint is of a run with callbacks that were not added again: {told}"
-            warnings.warn(InputWarning(text), stacklevel=3)
-            self._missed_callbacks = set()
-
     def _next_step(self, reporter: Reporter) -> int | None:
         step = reporter.next_step(self.step)
         if step is not None and step <= self.step:
             raise ValueError(f"{reporter!r} asks for step {step}, but the run is at step {self.step} already")
         return step
-
-    def _chunk(self) -> int:
-        # A chunk's ends cost as much as a step or two. Large scenes take several steps all the same, while an interrupt
-        # still waits no longer than twenty seconds, and a second one does not wait.
-        several = min(_STEPS_PER_CHUNK, int(self._rate * _LONGEST_CHUNK))
-        return max(1, int(self._rate * _SECONDS_PER_CHUNK), several)
 
     def _advance(self, steps: int) -> None:
         self._observation = self._stored_totals = None
@@ -353,9 +252,7 @@ class Simulation:
         self._engine.run(steps)
         elapsed = max(clock.perf_counter() - begin, 1e-9)
         self.seconds["engine"] += elapsed
-        # A chunk that a report cut short, or that the machine held up, says little about the next one.
-        weight = 1.0 if self._rate == 0.0 else elapsed / (elapsed + _SECONDS_PER_CHUNK)
-        self._rate += weight * (steps / elapsed - self._rate)
+        self._pace.took(steps, elapsed)
 
     # Looking
 
@@ -373,7 +270,7 @@ class Simulation:
     @property
     def steps_per_second(self) -> float:
         """Rate of the last tenths of a second in which steps were taken, 0 before the first step."""
-        return self._rate
+        return self._pace.rate
 
     @property
     def time(self) -> float:
@@ -459,51 +356,22 @@ class Simulation:
             ValueError: an array has another shape, is not finite, impossible or too far away, or the beads do not carry
                 this; the state is the one before.
         """
+        check_motion(self.scene, positions, velocities)
+        check_carried(self.scene, temperature, concentrations)
         system = self._engine.system
-        shape = (self.scene.bead_count, 3)
-        for name, array in (("positions", positions), ("velocities", velocities)):
-            if array is not None and (np.shape(array) != shape or not np.isfinite(array).all()):
-                raise ValueError(f"{name} must be finite and of shape {shape}")
-        energies = self._checked_carried(temperature, concentrations)
         if positions is not None:
-            cells = np.abs(np.asarray(positions) @ np.linalg.inv(self.scene.cell)).max(axis=1)
-            if cells.size and not cells.max() < _MOST_CELLS:
-                raise ValueError(
-                    f"the position of bead {int(np.argmax(cells)) + 1} is {cells.max():.4g} cells away; at most "
-                    f"{_MOST_CELLS:.4g} can be counted"
-                )
             system.positions = positions
             system.wrap()
         if velocities is not None:
             system.velocities = np.where(self.scene.beads.frozen[:, None], 0.0, velocities)
-        if energies is not None:
-            system.bead_temperatures = energies.tolist()
+        if temperature is not None:
+            system.bead_temperatures = (np.asarray(temperature) * self.scene.units.boltzmann).tolist()
         if concentrations is not None:
             system.concentrations = np.asarray(concentrations, dtype=np.float64)
         self._observation = self._stored_totals = self._configurational = None
         if self.scene.constraints is not None:
             self._engine.meet_constraints()
         self._engine.initialise()
-
-    def _checked_carried(self, temperature: FloatArray | None, concentrations: FloatArray | None) -> FloatArray | None:
-        """Check what beads are to carry, and return the temperatures as k_B T; ValueError as ``set_state``."""
-        beads = self.scene.beads
-        for what, array, carried in (
-            ("temperature", temperature, beads.temperature),
-            ("concentrations", concentrations, beads.concentrations),
-        ):
-            if array is None:
-                continue
-            if carried is None:
-                raise ValueError(f"beads of this scene carry no {what}")
-            if np.shape(array) != carried.shape:
-                raise ValueError(f"{what} must be of shape {carried.shape}, not {np.shape(array)}")
-            columns = np.asarray(array, dtype=np.float64).reshape(len(beads), -1)
-            for column in columns.T:
-                wrong = why_not(what, column)
-                if wrong is not None:
-                    raise ValueError(f"{what} of bead {wrong[0] + 1} is {column[wrong[0]]:g}; {wrong[1]}")
-        return None if temperature is None else np.asarray(temperature) * self.scene.units.boltzmann
 
     def observe(self) -> Observation:
         """Return energies, temperature, pressure and stress of the present step."""
@@ -647,40 +515,19 @@ class Simulation:
     def save(self, path: str | Path) -> None:
         """Write a checkpoint from which ``resume`` continues with the same bits; the file is replaced as a whole."""
         arrays, scene = scene_to_arrays(self.scene)
-        system, totals = self._engine.system, self._totals()
-        arrays |= {f"totals.{name}": np.asarray(value) for name, value in asdict(totals).items()}
-        arrays |= {
-            "positions": np.asarray(system.positions),
-            "velocities": np.asarray(system.velocities),
-            "forces": np.asarray(system.forces),
-            "images": np.asarray(system.images),
-            "start_positions": self.start_positions,
-            "cell": self.cell,
-            "start_cell": self.start_cell,
-            "thermostat": np.asarray(system.thermostat, dtype=np.float64),
-        }
-        if self.scene.beads.temperature is not None:
-            arrays["bead_temperatures"] = np.asarray(system.bead_temperatures)
-        if self.scene.heat is not None:
-            arrays["heat_account"] = np.asarray(self._engine.heat_account)
-        if self.scene.beads.concentrations is not None:
-            arrays["concentrations"] = np.asarray(system.concentrations)
+        arrays |= totals_to_arrays(self._totals())
+        arrays |= engine_to_arrays(self._engine, self.scene)
+        arrays |= {"start_positions": self.start_positions, "start_cell": self.start_cell}
         if self._engine.transport is not None:
             arrays["start_amounts"] = self._start_amounts
-            arrays["transport_tally"] = np.asarray(self._engine.transport.tally)
-        if self.scene.output.rdf_every > 0:
-            arrays["distance_counts"] = np.asarray(system.distance_counts())
         for reporter in self.reporters:
             if isinstance(reporter, StatefulReporter):
-                arrays |= {f"reporter.{reporter.name}.{key}": value for key, value in reporter.state().items()}
+                arrays |= {f"{_REPORTER}{reporter.name}.{key}": value for key, value in reporter.state().items()}
         meta: dict[str, Any] = {
             "scene": scene,
             "seed": self.seed,
-            "step": self.step,
-            "time": self.time,
-            "distance_samples": int(system.distance_samples),
-            "distance_volumes": float(system.distance_volumes),
-            "callbacks": [[callback.name, callback.every] for callback in self._callbacks],
+            "callbacks": self._callbacks.identities(),
+            **engine_numbers(self._engine),
         }
         write_checkpoint(path, arrays, meta)
 
@@ -709,16 +556,7 @@ class Simulation:
         """
         arrays, meta = read_checkpoint(path)
         try:
-            stored = scene_from_arrays(arrays, meta["scene"])
-            chosen = stored if scene is None else scene
-            cell = arrays.get("cell", stored.cell)  # checkpoints of before there were barostats have none
-            check_continues(stored, chosen, str(path), (cell, arrays.get("start_cell", cell)))
-            # A cell that went through REVCON has lost its last digits; tethers still hold where the run began.
-            bonded = chosen.bonded
-            if bonded is not None and stored.bonded is not None and stored.bonded.anchors is not None:
-                bonded = replace(bonded, anchors=stored.bonded.anchors)
-            imcon = 2 if chosen.imcon == 1 and len(set(np.diag(cell).tolist())) > 1 else chosen.imcon
-            chosen = replace(chosen, cell=cell, imcon=imcon, bonded=bonded)
+            chosen = scene_to_continue(arrays, meta, scene, str(path))
             simulation = cls(
                 chosen,
                 threads=threads,
@@ -737,149 +575,18 @@ class Simulation:
         return simulation
 
     def _restore(self, arrays: dict[str, NDArray[Any]], meta: dict[str, Any]) -> None:
-        system = self._engine.system
-        system.step, system.time = int(meta["step"]), float(meta["time"])
-        system.cell = arrays.get("cell", self.scene.cell)
-        system.positions = arrays["positions"]
-        system.velocities = arrays["velocities"]
-        system.thermostat = arrays["thermostat"].tolist()
-        if self.scene.beads.temperature is not None:
-            system.bead_temperatures = arrays["bead_temperatures"].tolist()
-        if self.scene.beads.concentrations is not None:
-            system.concentrations = arrays["concentrations"]
-        if self._engine.transport is not None:
-            self._start_amounts = arrays["start_amounts"]
-            self._engine.transport.tally = arrays["transport_tally"]
-        self._engine.initialise()
-        system.velocities = arrays["velocities"]  # of the whole step; some fields prescribe others between its kicks
+        restore_engine(self._engine, self.scene, arrays, meta)
         # The stored forces and totals hold the drag of the half-step velocities, which are gone.
-        self._stored_totals = Totals(
-            **{name: np.asarray(arrays[f"totals.{name}"]) for name in ("conservative", "drag", "noise", "kinetic")},
-            pair_energy=float(arrays["totals.pair_energy"]),
-            momentum=arrays["totals.momentum"],
-            volume=float(arrays["totals.volume"]),
-            bonded_energies=arrays["totals.bonded_energies"],
-            bonded=arrays["totals.bonded"],
-            charge_energy=float(arrays.get("totals.charge_energy", 0.0)),  # checkpoints of before charges have none
-            charge=arrays.get("totals.charge", np.zeros((3, 3))),
-            thermostat_energy=float(arrays["totals.thermostat_energy"]),
-            constraint=arrays.get("totals.constraint", np.zeros((3, 3))),
-            field_energy=float(arrays.get("totals.field_energy", 0.0)),
-            internal_energy=float(arrays.get("totals.internal_energy", 0.0)),
-            heat_balance=float(arrays.get("totals.heat_balance", 0.0)),
-        )
-        if self.scene.heat is not None:
-            self._engine.heat_account = tuple(arrays["heat_account"].tolist())
-        system.forces = arrays["forces"]
-        system.images = arrays["images"]
+        self._stored_totals = totals_from_arrays(arrays)
         self.start_positions = arrays["start_positions"]
         self.start_cell = arrays.get("start_cell", self.start_cell)
-        prefix = "reporter."
-        self._missed_callbacks = {(str(name), int(every)) for name, every in meta.get("callbacks", [])}
-        self._reporter_state = {k[len(prefix) :]: v for k, v in arrays.items() if k.startswith(prefix)}
-        if self.scene.output.rdf_every > 0 and "distance_counts" in arrays:
-            samples = int(meta["distance_samples"])
-            volumes = float(meta.get("distance_volumes", samples * system.volume))
-            system.restore_distances(arrays["distance_counts"].tolist(), samples, volumes)
+        if self._engine.transport is not None:
+            self._start_amounts = arrays["start_amounts"]
+        self._callbacks.expect(meta.get("callbacks", []))
+        self._reporter_state = {k.removeprefix(_REPORTER): v for k, v in arrays.items() if k.startswith(_REPORTER)}
         self._observation = None
 
     def restored_state(self, name: str) -> dict[str, NDArray[Any]]:
         """Return what the reporter of this name had saved in the checkpoint; empty when there is nothing."""
         prefix = f"{name}."
         return {k[len(prefix) :]: v for k, v in self._reporter_state.items() if k.startswith(prefix)}
-
-
-def _engine(name: str, scene: Scene, seed: int, threads: int, cell_width: float, options: EngineOptions) -> Engine:
-    if name not in ENGINES:
-        raise SceneError(f"is no engine; expected {', '.join(ENGINES)}", word=name)
-    if name == "native":
-        if options != EngineOptions():
-            raise SceneError("ranks and accelerator switches are for the engine lammps; the native one has threads")
-        return NativeEngine(scene, seed=seed, threads=threads, cell_width=cell_width)
-    from pydlpoly.engines.lammps import LammpsEngine  # only this engine needs it
-
-    if cell_width > 0.0:
-        raise SceneError("a width of link cells has no meaning with the engine lammps")
-    return LammpsEngine(scene, seed=seed, threads=threads, options=options)
-
-
-def observation_of(scene: Scene, totals: Totals, step: int, time: float) -> Observation:
-    """Turn the core's totals into an observation in the scene's units."""
-    kinetic = 0.5 * float(np.trace(totals.kinetic))
-    parts = {
-        "kinetic": totals.kinetic,
-        "conservative": totals.conservative,
-        "drag": totals.drag,
-        "noise": totals.noise,
-        "bonded": np.sum(totals.bonded, axis=0),
-        "charge": totals.charge,
-    }
-    if scene.constraints is not None:
-        parts["constraint"] = totals.constraint
-    bonded = dict(zip(get_args(BondedKind), totals.bonded_energies.tolist(), strict=True))
-    potential = totals.pair_energy + sum(bonded.values()) + totals.charge_energy + totals.field_energy
-    factor = scene.units.pressure_factor / totals.volume
-    stress_parts = {name: tensor * factor for name, tensor in parts.items()}
-    stress = np.sum(list(stress_parts.values()), axis=0)
-    freedom = scene.degrees_of_freedom
-    temperature = 2.0 * kinetic / (freedom * scene.units.boltzmann) if freedom > 0 else 0.0
-    energy = {
-        "pair": totals.pair_energy,
-        **bonded,
-        "charge": totals.charge_energy,
-        "field": totals.field_energy,
-        "potential": potential,
-        "kinetic": kinetic,
-        "total": potential + kinetic,
-        "thermostat": totals.thermostat_energy,
-    }
-    if scene.heat is not None:
-        energy["internal"] = totals.internal_energy
-        energy["conserved"] = potential + kinetic + totals.internal_energy + totals.heat_balance
-    return Observation(
-        step=step,
-        time=time,
-        energy=energy,
-        temperature=temperature,
-        pressure=float(np.trace(stress)) / 3.0,
-        stress=stress,
-        stress_parts=stress_parts,
-        virial=-sum(float(np.trace(tensor)) for name, tensor in parts.items() if name != "kinetic"),
-        pair_virial=-float(np.trace(totals.conservative)),
-        volume=totals.volume,
-        momentum=totals.momentum,
-        bonded_virial={
-            kind: -float(np.trace(tensor)) for kind, tensor in zip(get_args(BondedKind), totals.bonded, strict=True)
-        },
-        constraint_virial=-float(np.trace(totals.constraint)),
-        charge_virial=-float(np.trace(totals.charge)),
-    )
-
-
-def single_point(scene: Scene, *, threads: int | None = None) -> SinglePoint:
-    """Return energy, forces and stress of a scene's configuration without drag and noise.
-
-    Raises:
-        SceneError: the scene cannot be computed.
-        RunError: a pair force or a bonded term is not finite, naming the beads.
-    """
-    engine = NativeEngine(scene, seed=0, threads=threads or scene.run.threads or default_threads())
-    settings = engine.system.settings
-    settings.drag = False
-    settings.force_cap = 0.0
-    engine.initialise()
-    totals = engine.totals()
-    bonded = dict(zip(get_args(BondedKind), totals.bonded_energies.tolist(), strict=True))
-    virial = totals.conservative + np.sum(totals.bonded, axis=0) + totals.charge
-    return SinglePoint(
-        energy={
-            "pair": totals.pair_energy,
-            **bonded,
-            "charge": totals.charge_energy,
-            "field": totals.field_energy,
-            "total": totals.pair_energy + sum(bonded.values()) + totals.charge_energy + totals.field_energy,
-        },
-        forces=np.asarray(engine.system.forces),
-        stress=virial / totals.volume,
-        virial=-float(np.trace(virial)),
-    )

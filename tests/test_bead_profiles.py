@@ -12,11 +12,11 @@ import pytest
 import pydlpoly
 from pydlpoly import Scene, Simulation
 from pydlpoly.analysis import Profile
-from pydlpoly.bin_reporter import BinReporter
 from pydlpoly.callbacks import Moment
 from pydlpoly.errors import InputError, SceneError
 from pydlpoly.formats.binned_table import BinnedTable, is_binned, read_binned, write_binned
 from pydlpoly.formats.zdndat import read_density
+from pydlpoly.reporters import BinReporter
 from pydlpoly.runner import run_scene
 from pydlpoly.scene import bins
 from pydlpoly.scene.bins import VELOCITIES, available_quantities, quantities_of, unit_of

@@ -11,9 +11,10 @@ import pytest
 import yaml
 
 from pydlpoly import Simulation, load
-from pydlpoly.correlations import StressCorrelations, has_pair_noise
 from pydlpoly.errors import InputError, SceneError
 from pydlpoly.formats.cor import Correlation, Derived, write_correlations
+from pydlpoly.reporters import StressCorrelations
+from pydlpoly.reporters.stress_correlations import has_pair_noise
 from pydlpoly.runner import run_scene
 from pydlpoly.scene.model import CorrelationPlan, CorrelationTerm
 

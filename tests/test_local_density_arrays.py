@@ -7,8 +7,8 @@ import pytest
 
 from pydlpoly import Simulation
 from pydlpoly.ase import atoms_from_state
-from pydlpoly.bin_reporter import BinReporter
 from pydlpoly.callbacks import Moment
+from pydlpoly.reporters import BinReporter
 from pydlpoly.scene.bins import available_quantities, unit_of
 
 from .scene_builder import make_scene

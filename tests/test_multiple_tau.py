@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pydlpoly.multiple_tau import MultipleTau, running_integral
+from pydlpoly.reporters.multiple_tau import MultipleTau, running_integral
 
 
 def filled(left: np.ndarray, right: np.ndarray | None = None, **shape: int) -> MultipleTau:

@@ -221,14 +221,14 @@ def test_a_checkpoint_writes_what_there_is(tmp_path: Path) -> None:
     run_scene(scene, other, steps=20, threads=1)
     import pydlpoly.runner as runner
 
-    original = runner._samplers
+    original = runner.samplers
 
     def with_looker(simulation, folder, *, append):
         simulation.reporters.append(Looker())
         yield from original(simulation, folder, append=append)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(runner, "_samplers", with_looker)
+        patch.setattr(runner, "samplers", with_looker)
         run_scene(scene, tmp_path, threads=1)
     for name in FILES[:3]:
         assert simulations[0][name] == (other / name).read_bytes(), name

@@ -14,6 +14,7 @@ import pydlpoly
 from pydlpoly import Simulation, single_point
 from pydlpoly.errors import InputError, RunError, SceneError
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.pace import Pace
 
 from .run_folders import EDGE, run_folder
 from .scene_builder import NVE, make_scene
@@ -96,7 +97,7 @@ def test_chunks_of_any_length_change_nothing(scene: pydlpoly.Scene, monkeypatch:
     reference = Simulation(scene, threads=1, seed=5)
     reference.run(50)
     lengths = iter(np.random.default_rng(0).integers(1, 9, 1000).tolist())
-    monkeypatch.setattr(Simulation, "_chunk", lambda _self: next(lengths))
+    monkeypatch.setattr(Pace, "chunk", lambda _self: next(lengths))
     chunked = Simulation(scene, threads=1, seed=5)
     chunked.run(50)
     assert bits(chunked) == bits(reference)
@@ -112,14 +113,14 @@ def test_chunks_follow_the_machine_but_not_a_single_held_up_step(
 
     def advance(chunks: int) -> float:
         for _ in range(chunks):
-            simulation._advance(simulation._chunk())
+            simulation._advance(simulation._pace.chunk())
         return simulation.steps_per_second
 
     assert advance(20) == pytest.approx(1000.0)
-    assert simulation._chunk() == 200, "0.2 s"
+    assert simulation._pace.chunk() == 200, "0.2 s"
     step[0] = 0.02
     simulation._advance(1)
-    assert simulation._chunk() > 150
+    assert simulation._pace.chunk() > 150
     assert advance(20) == pytest.approx(50.0, rel=0.01)
     step[0] = 0.0001
     assert advance(40) == pytest.approx(10_000.0, rel=0.01)
@@ -239,7 +240,7 @@ class Recorder:
 def test_reporters_are_called_in_their_steps_whatever_the_chunks(
     scene: pydlpoly.Scene, monkeypatch: pytest.MonkeyPatch, chunk: int
 ) -> None:
-    monkeypatch.setattr(Simulation, "_chunk", lambda _self: chunk)
+    monkeypatch.setattr(Pace, "chunk", lambda _self: chunk)
     simulation = Simulation(scene, threads=1, seed=5)
     often, seldom, done = Recorder(7), Recorder(10), Recorder(5, limit=10)
     simulation.reporters += [often, seldom, done]
@@ -327,7 +328,7 @@ def test_ctrl_c_leaves_a_simulation_that_goes_on_with_the_same_bits(scene: pydlp
 
 def test_reporters_that_sleep_cost_no_calls(scene: pydlpoly.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     """Between two reports the reporters are not asked again, however many chunks there are."""
-    monkeypatch.setattr(Simulation, "_chunk", lambda _self: 1)
+    monkeypatch.setattr(Pace, "chunk", lambda _self: 1)
     asked: list[int] = []
 
     class Counting(Recorder):

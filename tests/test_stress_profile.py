@@ -11,12 +11,11 @@ import pytest
 
 from pydlpoly import Scene, Simulation, load
 from pydlpoly.cli import example_folder
-from pydlpoly.correlations import StressCorrelations
 from pydlpoly.engines.native import long_range_tail
 from pydlpoly.errors import InputError, SceneError
+from pydlpoly.reporters import StressCorrelations, StressProfile
 from pydlpoly.runner import run_scene
 from pydlpoly.scene.model import ProfilePlan
-from pydlpoly.stress_profile import StressProfile
 
 from .run_folders import run_folder
 from .scene_builder import NVE, make_scene

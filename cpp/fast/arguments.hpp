@@ -28,7 +28,7 @@ struct PairRow {
 };
 
 // What one bead's neighbours add up to in an observed step: energy, then xx yy zz xy xz yz of the conservative, drag
-// and noise virials, each in its own unit (see Fluid::observe). Every pair is counted from both of its beads.
+// and noise virials, each in its own unit (see FluidOf::observe_totals). Every pair is counted from both of its beads.
 inline constexpr int observed_numbers = 19;
 
 // What becomes of the impulses of a pass that is not the last of a chunk.

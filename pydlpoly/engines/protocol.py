@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
+import numpy as np
 from numpy.typing import NDArray
 
+from pydlpoly.engines.totals import Totals
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.model import Scene
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from pydlpoly.engines.native import Totals
 
 ENGINES = ("native", "lammps")
 """The engines by name."""

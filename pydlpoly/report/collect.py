@@ -170,7 +170,7 @@ class Run:
     def equilibration(self) -> int:
         """The step after which averages are taken."""
         if self.scene is not None:
-            return 0 if self.scene.run.record_equilibration else self.scene.run.equilibration_steps
+            return self.scene.run.averages_after
         if self.log is not None and self.log.averaged_steps and self.log.last_step is not None:
             return self.log.last_step - self.log.averaged_steps
         return 0

@@ -451,6 +451,11 @@ class RunPlan:
     checkpoint_file: str = "REVOLD"
     threads: int = 0
 
+    @property
+    def averages_after(self) -> int:
+        """Step after which averages are taken."""
+        return 0 if self.record_equilibration else self.equilibration_steps
+
 
 @dataclass(frozen=True)
 class ProfilePlan:

@@ -11,7 +11,8 @@ import numpy as np
 from pydlpoly.background import BackgroundWriter
 from pydlpoly.formats.frame import Frame
 from pydlpoly.formats.records import FloatArray
-from pydlpoly.reporters import bead_names, every
+from pydlpoly.reporters.configuration import bead_names
+from pydlpoly.reporters.schedule import every
 from pydlpoly.scene.model import Scene
 from pydlpoly.simulation import Simulation
 from pydlpoly.trajectories import FORMATS, open_writer

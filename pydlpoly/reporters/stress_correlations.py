@@ -19,7 +19,8 @@ from pydlpoly.errors import InputError
 from pydlpoly.formats.blocks import Estimate, standard_error
 from pydlpoly.formats.cor import Correlation, Derived, write_correlations
 from pydlpoly.formats.records import FloatArray
-from pydlpoly.multiple_tau import MultipleTau, running_integral
+from pydlpoly.reporters.multiple_tau import MultipleTau, running_integral
+from pydlpoly.reporters.schedule import every
 from pydlpoly.scene.integrators import is_pairwise
 from pydlpoly.scene.model import CorrelationTerm, Scene
 from pydlpoly.simulation import Simulation
@@ -71,8 +72,7 @@ class StressCorrelations:
 
     def next_step(self, step: int) -> int | None:
         """Return the next multiple of the interval after equilibration."""
-        begin = max(step, self._after)
-        return (begin // self._every + 1) * self._every
+        return every(max(step, self._after), self._every)
 
     def report(self, simulation: Simulation) -> None:
         """Take a sample."""

@@ -1,7 +1,7 @@
-"""Reporters that sample while running and write DL_POLY's files of averages: ZDNDAT, VAFDAT_<species> and MSDTMP.
+"""Reporter of VAFDAT_<species>, which samples while running.
 
-What is averaged over the run goes into the checkpoint, so that a run that continues ends with the same files. ZDNDAT
-and averaged VAFDAT files are replaced as a whole with every checkpoint: a kill leaves those of the last one.
+The sums go into the checkpoint, so that a run that continues ends with the same files. Averaged files are replaced as a
+whole with every checkpoint: a kill leaves those of the last one.
 """
 
 from __future__ import annotations
@@ -12,80 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pydlpoly.formats.msdtmp import DisplacementWriter
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.formats.vafdat import CorrelationWriter, VelocityCorrelation, write_correlation
-from pydlpoly.formats.zdndat import write_density
-from pydlpoly.reporters import bead_names, every
 from pydlpoly.scene.model import Scene
 from pydlpoly.simulation import Simulation
-
-
-def first_sampled(scene: Scene) -> int:
-    """Return the step after which averages are taken."""
-    return 0 if scene.run.record_equilibration else scene.run.equilibration_steps
-
-
-class DensityReporter:
-    """Writes ZDNDAT: beads of each species by their place along z, in bins over the cell's height.
-
-    Where the cell varies, bins are fractions of its height, and height and volume are means over the samples.
-
-    Args:
-        simulation: the run.
-        path: the file.
-    """
-
-    name = "zden"
-
-    def __init__(self, simulation: Simulation, path: Path) -> None:
-        scene = simulation.scene
-        self._scene, self._path = scene, path
-        self._after, self._every = first_sampled(scene), scene.output.zden_every
-        self._counts = np.zeros((len(scene.species), scene.output.zden_bins), dtype=np.int64)
-        self._samples = 0
-        self._sizes = np.zeros(2)  # sums of height and volume
-        stored = simulation.restored_state(self.name)
-        if stored:
-            self._counts = stored["counts"].astype(np.int64)
-            self._samples, self._sizes = int(stored["samples"]), stored["sizes"].copy()
-
-    def next_step(self, step: int) -> int | None:
-        """Return the next multiple of ``zden_frequency`` after the equilibration."""
-        return every(max(step, self._after), self._every)
-
-    def report(self, simulation: Simulation) -> None:
-        """Take one sample."""
-        positions, cell = simulation.positions, simulation.cell
-        height = float(np.abs(cell[:, 2]).sum())
-        bins = self._counts.shape[1]
-        place = ((positions[:, 2] / height + 0.5) * bins).astype(np.int64)
-        numbers = self._scene.beads.species * bins + np.clip(place, 0, bins - 1)
-        self._counts += np.bincount(numbers, minlength=self._counts.size).reshape(self._counts.shape)
-        self._samples += 1
-        self._sizes += (height, abs(float(np.linalg.det(cell))))
-
-    def state(self) -> dict[str, NDArray[Any]]:
-        """Return the counts for the checkpoint."""
-        samples = np.array(self._samples, dtype=np.int64)
-        return {"counts": self._counts.copy(), "samples": samples, "sizes": self._sizes.copy()}
-
-    def profiles(self) -> tuple[FloatArray, FloatArray]:
-        """Return z (bins,) in Å and the densities (species, bins) per Å³; zeros before the first sample."""
-        bins = self._counts.shape[1]
-        height, volume = self._sizes / max(self._samples, 1)
-        z = ((np.arange(bins) + 0.5) / bins - 0.5) * height
-        if not self._samples:
-            return z, np.zeros(self._counts.shape)
-        return z, self._counts / (self._samples * volume / bins)
-
-    def sync(self) -> None:
-        """Write the file, when anything has been sampled."""
-        if self._samples:
-            write_density(self._path, self._scene.title, self._scene.species, *self.profiles())
-
-    def close(self) -> None:
-        """Nothing is open between writes."""
 
 
 class VelocityReporter:
@@ -113,7 +43,7 @@ class VelocityReporter:
         kinds, beads = len(scene.species), scene.bead_count
         self._mobile = np.where(scene.beads.frozen, kinds, scene.beads.species)  # the frozen are counted apart
         self._numbers = np.bincount(self._mobile, minlength=kinds + 1)[:kinds]
-        self._start = max(first_sampled(scene), simulation.step if append else 0)
+        self._start = max(scene.run.averages_after, simulation.step if append else 0)
         self._origins = np.zeros((overlapping, beads, 3))
         self._times = np.zeros((overlapping, self._length + 1))
         self._running = np.zeros((overlapping, self._length + 1, kinds))
@@ -217,41 +147,3 @@ class VelocityReporter:
         """Close the files."""
         for writer in self._writers:
             writer.close()
-
-
-class DisplacementReporter:
-    """Writes MSDTMP: how far every bead is from where it started, and its temperature m v²/(3 k_B).
-
-    Args:
-        simulation: the run.
-        path: the file.
-        append: the run continues from a checkpoint.
-    """
-
-    def __init__(self, simulation: Simulation, path: Path, *, append: bool = False) -> None:
-        scene = simulation.scene
-        self._start, self._every = scene.output.msd_start, scene.output.msd_every
-        keep = simulation.step if append else None
-        self._writer = DisplacementWriter(path, scene.title, bead_names(scene), append=append, keep_until=keep)
-        if not append and self._start == 0:
-            self.report(simulation)
-
-    def next_step(self, step: int) -> int | None:
-        """Return the next step of the form start + k·interval."""
-        return every(step, self._every, self._start)
-
-    def report(self, simulation: Simulation) -> None:
-        """Write one frame."""
-        scene = simulation.scene
-        moved = np.linalg.norm(simulation.displacements(), axis=1)
-        squares = np.sum(simulation.velocities**2, axis=1)
-        temperatures = scene.beads.mass * squares / (3.0 * scene.units.boltzmann)
-        self._writer.write(simulation.step, simulation.time, scene.dynamics.timestep, moved, temperatures)
-
-    def sync(self) -> None:
-        """Force everything written so far to the disk."""
-        self._writer.sync()
-
-    def close(self) -> None:
-        """Close the file."""
-        self._writer.close()

@@ -16,6 +16,7 @@ from pydlpoly.errors import InputError, SceneError
 from pydlpoly.formats.blocks import BlockSums, Estimate, standard_error
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.formats.strprf import ProfileTable, write_profile
+from pydlpoly.reporters.schedule import every
 from pydlpoly.scene.model import Axis
 from pydlpoly.scene.stress import why_no_layers, why_not_in_layers
 from pydlpoly.simulation import Simulation
@@ -75,8 +76,7 @@ class StressProfile:
 
     def next_step(self, step: int) -> int | None:
         """Return the next multiple of the interval after equilibration."""
-        begin = max(step, self._after)
-        return (begin // self._every + 1) * self._every
+        return every(max(step, self._after), self._every)
 
     def report(self, simulation: Simulation) -> None:
         """Take a sample."""

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from pydlpoly.binned import BinnedMeans, Sample
 from pydlpoly.errors import InputError
 from pydlpoly.formats.binned_table import BinnedTable, write_binned
+from pydlpoly.reporters.schedule import every
 from pydlpoly.scene.beads_state import DENSITY
 from pydlpoly.scene.bins import LOCAL_DENSITY, quantities_of, unit_of
-from pydlpoly.scene.model import Axis, BinPlan
+from pydlpoly.scene.model import Axis
 from pydlpoly.simulation import Simulation
 
 
@@ -71,7 +72,7 @@ class BinReporter:
 
     def next_step(self, step: int) -> int | None:
         """Return the next multiple of the interval after equilibration."""
-        return (max(step, self._after) // self._every + 1) * self._every
+        return every(max(step, self._after), self._every)
 
     def report(self, simulation: Simulation) -> None:
         """Take a sample."""
@@ -113,16 +114,3 @@ class BinReporter:
     def state(self) -> dict[str, NDArray[Any]]:
         """Return the sums for the checkpoint."""
         return self._means.state()
-
-
-def bin_reporters(simulation: Simulation, folder: Path) -> list[BinReporter]:
-    """Return the reporters of PROFILE and MAP that the scene asks for."""
-    scene = simulation.scene
-    after = 0 if scene.run.record_equilibration else scene.run.equilibration_steps
-
-    def reporter(plan: BinPlan) -> BinReporter:
-        path = folder / plan.file if plan.file is not None else None
-        asked = {"axes": plan.axes, "bins": plan.bins, "quantities": plan.quantities}
-        return BinReporter(simulation, every=plan.every, after=after, path=path, **asked)  # type: ignore[arg-type]
-
-    return [reporter(plan) for plan in (scene.output.bead_profile, scene.output.bead_map) if plan.every > 0]
