@@ -537,3 +537,18 @@ def test_permission_denied(tmp_path: Path, cli, monkeypatch: pytest.MonkeyPatch)
     assert refused.code == 1
     assert "cannot be written: no permission to write here" in refused.err
     assert listing(tmp_path) == before
+
+
+def test_memory_that_is_not_there(tmp_path: Path, cli, monkeypatch: pytest.MonkeyPatch) -> None:
+    def exhausted(*_: object, **__: object) -> None:
+        raise MemoryError("Unable to allocate 426. PiB")
+
+    monkeypatch.setattr("pydlpoly.cli.load", exhausted)
+    refused = cli("check", run_folder(tmp_path))
+    assert (refused.code, refused.out) == (1, "")
+    assert refused.err == "pydlpoly: there is not enough memory for this: Unable to allocate 426. PiB\n"
+
+
+def test_converting_a_folder_means_its_control(tmp_path: Path, cli) -> None:
+    run_folder(tmp_path)
+    assert cli("convert", tmp_path, "--to", "old").out == cli("convert", tmp_path / "CONTROL", "--to", "old").out != ""
