@@ -176,7 +176,7 @@ def explain(
 def convert(
     source: Annotated[
         Path,
-        typer.Argument(help="A folder, or its CONTROL with new and old; or a trajectory."),
+        typer.Argument(help="A folder; or its CONTROL, with new and old; or a trajectory."),
     ],
     *,
     to: Annotated[
@@ -201,6 +201,7 @@ def convert(
 ) -> None:
     """Rewrite CONTROL in the other style, a folder in DL_MESO's dialect or for LAMMPS, or a trajectory."""
     if to in TARGETS:
+        source = source / "HISTORY" if source.is_dir() else source
         typer.echo(f"written: {convert_trajectory(source, to, output, frame=frame)}")
         return
     if frame is not None:
@@ -223,6 +224,8 @@ def convert(
     text = write_control(replace(record, style="new" if to == "new" else "old"))
     if output is None:
         typer.echo(text, nl=False)
+    elif output.resolve() == source.resolve():
+        raise InputError("is the file to be read; say with --output what to write", path=str(output))
     else:
         try:
             replace_file(output, text)
@@ -314,6 +317,8 @@ def _scene(
         folder = example_folder(example)
     elif directory is not None:
         folder = directory
+        if folder.is_file():
+            raise InputError("it is a file; expected a folder with CONTROL, FIELD and CONFIG", path=str(folder))
     elif control is not None:
         folder = control.parent
     else:

@@ -41,7 +41,7 @@ def lay_out(field: Field, notes: Notes) -> Layout:
     """Number the species by first appearance and repeat the molecules.
 
     Raises:
-        SceneError: there is no bead at all or more than can be numbered, a bead that moves has no mass, or a name does not
+        SceneError: no bead at all or more than can be numbered, a bead that moves without mass, or a name that does not
             fit into files.
     """
     names = tuple(dict.fromkeys(atom.name for molecule in field.molecules for atom in molecule.atoms))

@@ -172,10 +172,8 @@ def check_images(pairs: tuple[PairTerm, ...], cell_widths: Sequence[float], path
     reach = max((t.cutoff for t in pairs), default=0.0)
     images = images_within(reach, cell_widths)
     if images > MOST_IMAGES:
-        message = (
-            f"{images:.3g} images of the cell lie within the longest range {reach:g} ang, more than {MOST_IMAGES}: "
-        )
-        raise SceneError(message + "the cell is too small for it", path=path)
+        message = f"{images:.3g} images of the cell lie within the longest range {reach:g} ang, more than {MOST_IMAGES}"
+        raise SceneError(f"{message}: the cell is too small for it", path=path)
 
 
 def check_image_noise(pairs: tuple[PairTerm, ...], cell_widths: Sequence[float], path: str) -> None:

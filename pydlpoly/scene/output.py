@@ -130,9 +130,9 @@ def _check_images(settings: Settings, cutoff: float, cell_widths: list[float]) -
     images = images_within(cutoff, cell_widths)
     if images > MOST_IMAGES:
         message = (
-            f"the radial distribution reaches to the cutoff {cutoff:g} ang, which {images:.3g} images of the cell "
+            f"{images:.3g} images of the cell lie within the cutoff {cutoff:g} ang, to which distances are counted, "
         )
-        raise settings.refusal("rdf_calculate", message + f"lie within, more than {MOST_IMAGES}: the cell is too small")
+        raise settings.refusal("rdf_calculate", message + f"more than {MOST_IMAGES}: the cell is too small for it")
 
 
 def _stack_size(settings: Settings, notes: Notes) -> int:

@@ -380,8 +380,8 @@ CASES = {
     ),
     "distances_over_a_million_cells": (
         {"control": {"cutoff": "1e6 dpd_l", "rdf_calculate": "on"}},
-        "CONTROL:10: 'rdf_calculate': the radial distribution reaches to the cutoff 1e+06 ang, which 1.25e+17 images of "
-        "the cell lie within, more than 30000: the cell is too small",
+        "CONTROL:10: 'rdf_calculate': 1.25e+17 images of the cell lie within the cutoff 1e+06 ang, to which distances "
+        "are counted, more than 30000: the cell is too small for it",
     ),
     "law_over_a_million_cells": (
         {
