@@ -85,7 +85,7 @@ def resolve_output(
         profile=resolve_profile(settings, cell, periodic, notes),
         correlations=resolve_correlations(settings, notes),
         zden_every=zden_every if zden_written else 0,
-        zden_bins=max(1, round(cutoff / widths["zden"])) if zden_written else 1,
+        zden_bins=max(1, round(cutoff / bin_widths["zden"])) if zden_written else 1,
         vaf_every=vaf_every,
         vaf_steps=vaf_steps,
         vaf_averaging=settings.switch("vaf_averaging") if vaf_every else True,
