@@ -20,7 +20,18 @@ from pydlpoly.scene.explain import PLANS
 from pydlpoly.scene.external import ON_CHARGES
 from pydlpoly.scene.heat import unfit_for_heat
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
-from pydlpoly.scene.model import Barostat, Bonded, BondedTerm, Electrostatics, Heat, ManyBody, PairTerm, Scene, Walls
+from pydlpoly.scene.model import (
+    MOST_THREADS,
+    Barostat,
+    Bonded,
+    BondedTerm,
+    Electrostatics,
+    Heat,
+    ManyBody,
+    PairTerm,
+    Scene,
+    Walls,
+)
 
 _PRECISIONS = {
     "double": _core.Precision.double_precision,
@@ -52,6 +63,8 @@ class NativeEngine:
     """
 
     def __init__(self, scene: Scene, *, seed: int, threads: int, cell_width: float = 0.0) -> None:
+        if not 1 <= threads <= MOST_THREADS:
+            raise SceneError(f"the number of threads must lie between 1 and {MOST_THREADS}, not {threads}")
         self.threads, self._scene = threads, scene
         self._tail = long_range_tail(scene)
         beads = scene.beads

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from pydlpoly.bench.plot import save_figure
-from pydlpoly.errors import InputError, suggest
+from pydlpoly.errors import InputError, RunError, suggest
 from pydlpoly.report.against_time import one_quantity
 from pydlpoly.report.collect import collect_run
 from pydlpoly.report.figures import FIGURES, draw
@@ -32,7 +32,10 @@ def report_command(
     inputs: Inputs = None,
 ) -> None:
     """Write one HTML file with figures, pictures and warnings from the output files of a run, also a partial one."""
-    path, findings = write_report(folder, output, inputs=inputs)
+    try:
+        path, findings = write_report(folder, output, inputs=inputs)
+    except RunError as error:  # no simulation has stopped: the page cannot be written
+        raise InputError(str(error)) from error
     for finding in findings:
         if finding.level == "warning":
             advice = f"; {finding.advice}" if finding.advice else ""

@@ -191,12 +191,14 @@ def collect_run(folder: str | Path, inputs: str | Path | None = None) -> Run:
         inputs: where CONTROL, FIELD and CONFIG are, when they are elsewhere.
 
     Raises:
-        InputError: there is no such folder.
+        InputError: there is no such folder, or none of the inputs.
     """
     place = Path(folder)
     if not place.is_dir():
         found = "it is a file" if place.exists() else "there is no such folder"
         raise InputError(f"{found}; expected the folder with the output files of a run", path=str(place))
+    if inputs is not None and not Path(inputs).is_dir():
+        raise InputError("there is no such folder; expected the one with CONTROL, FIELD and CONFIG", path=str(inputs))
     return _Reader(place, Path(inputs) if inputs is not None else place).run()
 
 
