@@ -6,22 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pydlpoly.drawing import BAND, FAINT, HEIGHT, axis_label, legend, line, new_axes, thinned
 from pydlpoly.report.collect import Run
 from pydlpoly.report.evidence import momentum_goes_to, thermal_momentum, with_error
 from pydlpoly.report.series import Average, Series, all_series, pick
-from pydlpoly.report.style import (
-    BAND,
-    FAINT,
-    HEIGHT,
-    Drawing,
-    Table,
-    axis_label,
-    legend,
-    line,
-    new_axes,
-    table_of,
-    thinned,
-)
+from pydlpoly.report.style import Drawing, Table, table_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from pydlpoly.drawing import look
 from pydlpoly.report.against_time import energy, energy_terms, momentum, pressure, temperature, volume
 from pydlpoly.report.collect import Run
 from pydlpoly.report.picture import last_frame, start_frame
 from pydlpoly.report.speed import speed, time_spent
 from pydlpoly.report.structure import density, displacement, distribution, stress_profile, velocity
-from pydlpoly.report.style import Drawing, look
+from pydlpoly.report.style import Drawing
 
 FIGURES: dict[str, Callable[[Run], Drawing | None]] = {
     "last": last_frame,

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pydlpoly.drawing import WIDTH, columns_of
 from pydlpoly.formats.records import FloatArray, IntArray
 from pydlpoly.report.collect import Run
 from pydlpoly.report.snapshots import Snapshot
-from pydlpoly.report.style import WIDTH, Drawing, columns_of
+from pydlpoly.report.style import Drawing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,11 +8,12 @@ import numpy as np
 
 from pydlpoly.analysis import DensityProfile, RadialDistribution, analyse
 from pydlpoly.analysis.frames import widths
+from pydlpoly.drawing import HEIGHT, STYLES, axis_label, banded, legend, new_axes
 from pydlpoly.errors import InputError
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.report.collect import Run
 from pydlpoly.report.series import all_series
-from pydlpoly.report.style import HEIGHT, STYLES, Drawing, axis_label, legend, line, new_axes, table_of
+from pydlpoly.report.style import Drawing, table_of
 
 _IN_ONE = STYLES  # curves in one axes
 _MOST_CURVES = 12
@@ -119,9 +120,7 @@ def _curves(
     figure, rows = new_axes(HEIGHT if len(panels) == 1 else 0.4 + 2.3 * len(panels), len(panels))
     for axes, panel in zip(rows, panels, strict=True):
         for k, (label, x, y) in enumerate(panel):
-            if errors:
-                axes.fill_between(x, y - errors[k], y + errors[k], color="#c9ced4", alpha=0.6, linewidth=0.0)
-            line(axes, k, x, y, label)
+            banded(axes, k, x, y, errors[k] if errors else None, label)
         if reference is not None:
             axes.axhline(reference, color="black", linewidth=0.6, zorder=1)
         axes.set_ylabel(y_label)

@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pydlpoly.drawing import look
 from pydlpoly.report import picture
 from pydlpoly.report.collect import Run
 from pydlpoly.report.snapshots import Snapshot, of_scene
-from pydlpoly.report.style import look, svg
+from pydlpoly.report.style import svg
 from pydlpoly.scene import Scene, load
 
 from ..run_folders import run_folder
