@@ -107,14 +107,6 @@ def momentum(run: Run) -> Drawing | None:
     return Drawing("momentum", "Drift of the momentum", figure, words, table_of(head, [drift.times, values]))
 
 
-def volume(run: Run) -> Drawing | None:
-    """The volume, where it varies."""
-    series = all_series(run).get("volume")
-    if series is None or not np.ptp(series.values) > 1e-6 * abs(float(np.mean(series.values))):
-        return None
-    return one_quantity(run, "volume", "Volume")
-
-
 def one_quantity(run: Run, name: str, title: str = "") -> Drawing | None:
     """Any quantity of STATIS or DIAGNOSTICS; None when there is none of this name."""
     if name not in all_series(run):

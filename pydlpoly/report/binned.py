@@ -84,7 +84,8 @@ def averages_in_plane(run: Run, group: str) -> Drawing | None:
         return None
     shown = names[:MOST_PANELS]
     figure = _stacked(table, len(shown))
-    lines, plain = [], []
+    lines: list[str] = []
+    plain: list[str] = []
     for axes, name in zip(figure.axes, shown, strict=True):
         levels = draw_map(figure, axes, table, name)
         (lines if len(levels) else plain).append(curve_label(name, group))
