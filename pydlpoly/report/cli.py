@@ -8,13 +8,14 @@ from typing import Annotated
 import typer
 
 from pydlpoly.bench.plot import save_figure
+from pydlpoly.drawing import look
 from pydlpoly.errors import InputError, RunError, suggest
 from pydlpoly.report.against_time import one_quantity
 from pydlpoly.report.collect import collect_run
 from pydlpoly.report.figures import FIGURES, draw
 from pydlpoly.report.page import write_report
 from pydlpoly.report.series import all_series
-from pydlpoly.report.style import check_packages, look
+from pydlpoly.report.style import check_packages
 
 _DOTS_PER_INCH = 200
 _ENDINGS = (".png", ".svg", ".pdf")
