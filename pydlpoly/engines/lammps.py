@@ -101,6 +101,7 @@ class LammpsEngine:
         commands = [*translation.commands(str(path)), *translation.carried_computes()]
         answers = self._ask("load", commands, (carried.heat, carried.density, carried.dissolved))
         path.unlink()
+        self._starting = True
         self._ledger.begin(carried, answers)
         self._observe(answers)
         self._raw_images, self._images = None, images
@@ -114,6 +115,9 @@ class LammpsEngine:
                 one whose beads had been asked for.
         """
         system = self.system
+        if steps > 0 and self._starting and self._translation.first_half:
+            self._ask("do", list(self._translation.first_half))
+        self._starting = self._starting and steps <= 0
         while steps > 0:
             now = min(steps, system.until_sample())
             answers = self._ask("run", now)

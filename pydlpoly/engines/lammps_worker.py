@@ -115,7 +115,7 @@ class Worker:
         heat, density, dissolved = self._carried
         arrays = {}
         if heat:
-            arrays["temperature"] = self._local("edpd_temp")
+            arrays["temperature"] = self._computed("carried_heat")
         if density:
             arrays["density"] = self._local("rho")
         if dissolved:
@@ -153,7 +153,7 @@ def images_of(packed: NDArray[Any]) -> NDArray[np.int64]:
 def _empty(name: str) -> NDArray[Any]:
     if name in ("id", "type"):
         return np.zeros(0, dtype=np.int64)
-    if name in ("edpd_temp", "rho"):
+    if name == "rho":
         return np.zeros(0)
     return np.zeros((0, 3), dtype=np.int64 if name == "image" else np.float64)
 

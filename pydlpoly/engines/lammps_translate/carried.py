@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -133,12 +133,58 @@ def motion_fixes(carried: Carried, prediction: float, group: str, name: str) -> 
     ]
 
 
-def supply_commands(rates: dict[str, Sequence[str]]) -> list[str]:
+def supply_commands(rates: Mapping[str, Sequence[str]]) -> list[str]:
     """Return the commands that add up what sources give: formulas by name of the variable."""
     if not rates:
         return []
     lines = [f'variable {name} equal "{"+".join(terms)}"' for name, terms in rates.items()]
     return [*lines, f"fix supplied all ave/time 1 1 1 {' '.join(f'v_{name}' for name in rates)} ave running"]
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Sources of what beads carry.
+
+    Attributes:
+        commands: those that make them; ``supplies``: the variables of what they give, see ``Carried``.
+        first_half: commands for the first step after beads were read: LAMMPS's sources do not act in its first half.
+    """
+
+    commands: tuple[str, ...] = ()
+    supplies: tuple[str, ...] = ()
+    first_half: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class SourceParts:
+    """One source: the formulas of what it gives in a unit of time, to all beads and to each."""
+
+    total: str
+    each: str
+
+
+def source_part(kinds: Sequence[int], group: str, region: str, weights: Sequence[float], rate: float) -> SourceParts:
+    """Return a source of a rate in a region, for the beads of a group, which are those of the species.
+
+    ``weights`` say how much a bead of each species counts in the total.
+    """
+    return SourceParts(counted(kinds, region, weights, rate), f"({number(rate)})*grmask({group},{region})")
+
+
+def first_half(words: str, compute: str, parts: Sequence[SourceParts], timestep: float) -> list[str]:
+    """Return the commands that have sources act for half a step on what beads carry.
+
+    Args:
+        words: of the command ``set``; ``compute``: of the present values.
+        parts: of the sources.
+        timestep: Δt, ps.
+    """
+    rate = "+".join(part.each for part in parts)
+    return [
+        f'variable first atom "c_{compute}+{number(0.5 * timestep)}*({rate})"',
+        f"set group all {words} v_first",
+        "variable first delete",
+    ]
 
 
 def counted(kinds: Sequence[int], region: str, weights: Sequence[float], rate: float) -> str:

@@ -14,10 +14,12 @@ from numpy.polynomial import Polynomial
 
 from pydlpoly.engines.lammps_translate import regions
 from pydlpoly.engines.lammps_translate.carried import (
-    counted,
+    Sources,
+    first_half,
     frozen_species,
     kind_groups,
     mean_field_rate,
+    source_part,
     supply_commands,
 )
 from pydlpoly.engines.lammps_translate.formulas import number
@@ -135,11 +137,11 @@ def has_drag(scene: Scene) -> bool:
     return is_pairwise(scene.dynamics.integrator) and any(pair.drag > 0.0 for pair in scene.pairs)
 
 
-def source_commands(scene: Scene, margin: float, places: Places) -> tuple[list[str], tuple[str, ...]]:
-    """Return the commands of the sources of heat, and the names of the variables of what they give."""
+def heat_sources(scene: Scene, margin: float, places: Places) -> Sources:
+    """Return the sources of heat. Raises SceneError for regions that are refused."""
     heat = scene.heat
     if heat is None or not heat.sources:
-        return [], ()
+        return Sources()
     group = "exchanging" if heat.held else "all"
     lines = [regions.everywhere_command(), *kind_groups(scene)]
     given = []
@@ -148,10 +150,16 @@ def source_commands(scene: Scene, margin: float, places: Places) -> tuple[list[s
         if region is None:
             continue
         kinds = [k for k in kinds if k not in heat.held]
-        of = f"kind{kinds[0] + 1}" if source.kind == "species" and kinds else group
+        if not kinds:
+            continue
+        of = f"kind{kinds[0] + 1}" if source.kind == "species" else group
         lines += [*commands, f"fix source{order} {of} edpd/source region {region} {number(source.rate)}"]
-        given.append(counted(kinds, region, [capacity_of(scene, k) for k in kinds], source.rate))
-    return [*lines, *supply_commands({SUPPLY: given} if given else {})], (SUPPLY,) if given else ()
+        given.append(source_part(kinds, of, region, [capacity_of(scene, k) for k in kinds], source.rate))
+    if not given:
+        return Sources()
+    lines += supply_commands({SUPPLY: [part.total for part in given]})
+    half = first_half("edpd/temp", "carried_heat", given, scene.dynamics.timestep)
+    return Sources(tuple(lines), (SUPPLY,), tuple(half))
 
 
 def capacity_of(scene: Scene, kind: int) -> float:

@@ -9,10 +9,13 @@ from collections.abc import Sequence
 
 from pydlpoly.engines.lammps_translate import regions
 from pydlpoly.engines.lammps_translate.carried import (
+    SourceParts,
+    Sources,
     carried_of,
-    counted,
+    first_half,
     kind_groups,
     mean_field_rate,
+    source_part,
     supply_commands,
 )
 from pydlpoly.engines.lammps_translate.formulas import number
@@ -102,14 +105,14 @@ def flux_numbers(fluxes: Sequence[SpeciesFlux], dissolved: int) -> str:
     return " ".join(rows)
 
 
-def source_commands(scene: Scene, margin: float, places: Places) -> tuple[list[str], tuple[str, ...]]:
-    """Return the commands of the sources, and the names of the variables of what they give, by dissolved species."""
+def species_sources(scene: Scene, margin: float, places: Places) -> Sources:
+    """Return the sources of dissolved species. Raises SceneError for regions that are refused."""
     transport = scene.transport
     if transport is None or not transport.sources:
-        return [], ()
+        return Sources()
     held = carried_of(scene).held
     lines = [regions.everywhere_command(), *kind_groups(scene)]
-    given: dict[str, list[str]] = {}
+    given: dict[int, list[SourceParts]] = {}
     for order, source in enumerate(transport.sources):
         region, kinds, commands = _region(order, source, scene, margin, places)
         kinds = [k for k in kinds if k not in held]
@@ -118,9 +121,13 @@ def source_commands(scene: Scene, margin: float, places: Places) -> tuple[list[s
         of = f"kind{kinds[0] + 1}" if source.region.kind == "species" else ("exchanging" if held else "all")
         words = f"tdpd/source {source.dissolved + 1} region {region} {number(source.value)}"
         lines += [*commands, f"fix source{order} {of} {words}"]
-        name = supply_name(source.dissolved)
-        given.setdefault(name, []).append(counted(kinds, region, [1.0] * len(kinds), source.value))
-    return [*lines, *supply_commands(dict(given))], tuple(given)
+        part = source_part(kinds, of, region, [1.0] * len(kinds), source.value)
+        given.setdefault(source.dissolved, []).append(part)
+    half = []
+    for dissolved, parts in given.items():
+        half += first_half(f"cc {dissolved + 1}", f"carried_{dissolved + 1}", parts, scene.dynamics.timestep)
+    totals = {supply_name(dissolved): [part.total for part in parts] for dissolved, parts in given.items()}
+    return Sources((*lines, *supply_commands(totals)), tuple(totals), tuple(half))
 
 
 def supply_name(dissolved: int) -> str:

@@ -14,15 +14,13 @@ from pydlpoly.engines.lammps_translate.charges import ChargePart, charge_part
 from pydlpoly.engines.lammps_translate.data import DataFile
 from pydlpoly.engines.lammps_translate.exclusions import Exclusions, exclusions_of
 from pydlpoly.engines.lammps_translate.formulas import number
-from pydlpoly.engines.lammps_translate.heat import has_drag, heat_styles
-from pydlpoly.engines.lammps_translate.heat import source_commands as heat_source_commands
+from pydlpoly.engines.lammps_translate.heat import has_drag, heat_sources, heat_styles
 from pydlpoly.engines.lammps_translate.integrators import fixes_of
 from pydlpoly.engines.lammps_translate.many_body import FORCE_STYLE, bead_mass, many_body_styles
 from pydlpoly.engines.lammps_translate.observed import Observed
 from pydlpoly.engines.lammps_translate.pairs import SubStyle, conservative_styles, drag_styles
 from pydlpoly.engines.lammps_translate.refusal import Places, refusal, refuse_unknown
-from pydlpoly.engines.lammps_translate.species import source_commands as species_source_commands
-from pydlpoly.engines.lammps_translate.species import species_styles
+from pydlpoly.engines.lammps_translate.species import species_sources, species_styles
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.cell import widths
 from pydlpoly.scene.model import Bonded, Scene
@@ -42,6 +40,7 @@ class Translation:
         data: the data file but for the beads' places and velocities.
         observed: what is reported in a step.
         carried: what beads carry; ``density_mass``: by what LAMMPS's local densities are to be divided.
+        first_half: commands before the first step, see ``carried.Sources``.
     """
 
     before: tuple[str, ...]
@@ -50,6 +49,7 @@ class Translation:
     observed: Observed
     carried: Carried = NOTHING
     density_mass: float = 1.0
+    first_half: tuple[str, ...] = ()
 
     def commands(self, data_file: str) -> list[str]:
         """Return all commands up to the first step."""
@@ -116,9 +116,8 @@ def translate(scene: Scene, seed: int) -> Translation:
     styles = [*densities, *conservative, *([charge.style] if charge is not None else [])]
     reach = reach_of(scene)
     margin = SKIN * reach
-    heat_sources, heat_supplies = heat_source_commands(scene, margin, places)
-    sources, supplies = species_source_commands(scene, margin, places)
-    carried = replace(carried, supplies=(*heat_supplies, *supplies))
+    sources = heat_sources(scene, margin, places) if carried.heat else species_sources(scene, margin, places)
+    carried = replace(carried, supplies=sources.supplies)
     fixes = fixes_of(scene, seed, places)
     observed = Observed(
         drag=drags[0].name if drags else "",
@@ -144,12 +143,12 @@ def translate(scene: Scene, seed: int) -> Translation:
             f"neighbor {number(SKIN * reach)} bin",
             "neigh_modify delay 0 every 1 check yes",
             *fixes.commands,
-            *heat_sources,
-            *sources,
+            *sources.commands,
         ),
         observed=observed,
         carried=carried,
         density_mass=bead_mass(scene, places) if densities else 1.0,
+        first_half=sources.first_half,
     )
 
 
