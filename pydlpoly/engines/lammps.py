@@ -193,6 +193,10 @@ class LammpsEngine:
         Args:
             temperatures: (N,) as k_B T; concentrations: (N, species). None keeps them.
         """
+        if self._starting:  # nothing depends yet on the forces
+            self.system.replace_carried(temperatures, concentrations if self._translation.carried.dissolved else None)
+            self.initialise()
+            return
         columns = [("edpd/temp", temperatures)] if temperatures is not None else []
         if concentrations is not None and self._translation.carried.dissolved:
             columns += [(f"cc {k + 1}", column) for k, column in enumerate(concentrations.T)]
@@ -253,12 +257,12 @@ class LammpsEngine:
             self._team.close()
 
     def _observe(self, answers: list[Any]) -> None:
+        self._ledger.observe(self._translation.observed, answers, self.system.step)
         seen = self._translation.observed.parts(answers[0])
         for name, value in seen.items():
             if not np.isfinite(value).all():
                 raise RunError(f"{name.replace('_', ' ')} is not finite at step {self.system.step}")
         self._seen = seen
-        self._ledger.observe(self._translation.observed, answers, self.system.step)
 
     def _hand_to_native(self) -> None:
         native, system = self._native.system, self.system

@@ -129,7 +129,8 @@ def heat_styles(scene: Scene, seed: int, places: Places) -> list[SubStyle]:
         return []
     _refuse(scene, heat, places)
     rows = [*_force_rows(scene, heat, places), *_conduction_rows(heat, places)]
-    return _instances(rows, seed)
+    nothing = EdpdRow((0, 0), 0.0, 0.0, 2.0, scene.cutoff)  # the fix that moves the beads asks for the style
+    return _instances(rows or [nothing], seed)
 
 
 def has_drag(scene: Scene) -> bool:

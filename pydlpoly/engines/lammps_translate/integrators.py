@@ -57,13 +57,19 @@ class Fixes:
     thermostat: str = ""
 
 
+def refuse_integrator(scene: Scene, places: Places) -> None:
+    """Raise SceneError for an integrator that is not translated."""
+    name = scene.dynamics.integrator
+    if name not in INTEGRATOR_STYLES:
+        place = places.of_setting("ensemble_dpd_order", "ensemble_method", "ensemble")
+        raise refusal(f"the integrator {name} cannot be run", place)
+
+
 def fixes_of(scene: Scene, seed: int, places: Places) -> Fixes:
     """Return the fixes that move the beads. Raises SceneError for what is refused."""
+    refuse_integrator(scene, places)
     dynamics = scene.dynamics
     name = dynamics.integrator
-    place = places.of_setting("ensemble_dpd_order", "ensemble_method", "ensemble")
-    if name not in INTEGRATOR_STYLES:
-        raise refusal(f"the integrator {name} cannot be run", place)
     carried = carried_of(scene)
     frozen = bool(scene.beads.frozen.any())
     commands = [f"timestep {number(dynamics.timestep)}"]

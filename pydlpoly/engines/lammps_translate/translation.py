@@ -15,7 +15,7 @@ from pydlpoly.engines.lammps_translate.data import DataFile
 from pydlpoly.engines.lammps_translate.exclusions import Exclusions, exclusions_of
 from pydlpoly.engines.lammps_translate.formulas import number
 from pydlpoly.engines.lammps_translate.heat import has_drag, heat_sources, heat_styles
-from pydlpoly.engines.lammps_translate.integrators import fixes_of
+from pydlpoly.engines.lammps_translate.integrators import fixes_of, refuse_integrator
 from pydlpoly.engines.lammps_translate.many_body import FORCE_STYLE, bead_mass, many_body_styles
 from pydlpoly.engines.lammps_translate.observed import Observed
 from pydlpoly.engines.lammps_translate.pairs import SubStyle, conservative_styles, drag_styles
@@ -101,6 +101,7 @@ def translate(scene: Scene, seed: int) -> Translation:
     conservative = [] if warm_repulsion else conservative_styles(acting, places)  # refuses laws by their lines
     refuse_unknown(scene, places)
     _check_cell(scene)
+    refuse_integrator(scene, places)
     bonded, charges = scene.bonded, scene.electrostatics
     exclusions = exclusions_of(scene, places)
     terms = bonded_part(scene, bonded, exclusions.dummies, places) if bonded is not None else None
