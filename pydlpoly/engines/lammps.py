@@ -115,8 +115,8 @@ class LammpsEngine:
                 one whose beads had been asked for.
         """
         system = self.system
-        if steps > 0 and self._starting and self._translation.first_half:
-            self._ask("do", list(self._translation.first_half))
+        if steps > 0 and self._starting:
+            self._begin_sources()
         self._starting = self._starting and steps <= 0
         while steps > 0:
             now = min(steps, system.until_sample())
@@ -125,6 +125,18 @@ class LammpsEngine:
             self._observe(answers)
             system.sample_if_due()
             steps -= now
+
+    def _begin_sources(self) -> None:
+        """Have sources act in the first half of the first step."""
+        if not self._translation.first_half:
+            return
+        try:
+            self._ask("do", list(self._translation.first_half))
+        except RunError as error:
+            if "Invalid" not in str(error):
+                raise
+            message = "a sink takes more than a bead has in the first step, to which LAMMPS sets no limit"
+            raise RunError(f"{message}; the native engine runs it ({error})") from None
 
     def fetch(self) -> dict[str, NDArray[Any]]:
         """Return the beads of all ranks in the order of their ids."""

@@ -65,7 +65,8 @@ def species_styles(scene: Scene, seed: int, places: Places) -> list[SubStyle]:
     if transport is None:
         return []
     _refuse(scene, transport, places)
-    groups = flux_groups(transport.fluxes)
+    nothing = SpeciesFlux((0, 0), 0, 0.0, scene.cutoff)  # the fix that moves the beads asks for the style
+    groups = flux_groups(transport.fluxes or (nothing,))
     styles = []
     for k, group in enumerate(groups, 1):
         instance = k if len(groups) > 1 else 0
@@ -112,21 +113,25 @@ def species_sources(scene: Scene, margin: float, places: Places) -> Sources:
         return Sources()
     held = carried_of(scene).held
     lines = [regions.everywhere_command(), *kind_groups(scene)]
-    given: dict[int, list[SourceParts]] = {}
+    totals: dict[str, list[str]] = {}
+    acting: dict[int, list[SourceParts]] = {}
     for order, source in enumerate(transport.sources):
         region, kinds, commands = _region(order, source, scene, margin, places)
-        kinds = [k for k in kinds if k not in held]
-        if region is None or not kinds:
+        if region is None:
             continue
         of = f"kind{kinds[0] + 1}" if source.region.kind == "species" else ("exchanging" if held else "all")
-        words = f"tdpd/source {source.dissolved + 1} region {region} {number(source.value)}"
-        lines += [*commands, f"fix source{order} {of} {words}"]
+        # Beads that are held get their share of sources, too, and give it back at once.
         part = source_part(kinds, of, region, [1.0] * len(kinds), source.value)
-        given.setdefault(source.dissolved, []).append(part)
+        lines += commands
+        totals.setdefault(supply_name(source.dissolved), []).append(part.total)
+        if set(kinds) - set(held):
+            lines.append(
+                f"fix source{order} {of} tdpd/source {source.dissolved + 1} region {region} {number(source.value)}"
+            )
+            acting.setdefault(source.dissolved, []).append(part)
     half = []
-    for dissolved, parts in given.items():
+    for dissolved, parts in acting.items():
         half += first_half(f"cc {dissolved + 1}", f"carried_{dissolved + 1}", parts, scene.dynamics.timestep)
-    totals = {supply_name(dissolved): [part.total for part in parts] for dissolved, parts in given.items()}
     return Sources((*lines, *supply_commands(totals)), tuple(totals), tuple(half))
 
 
