@@ -111,7 +111,7 @@ def run_scene(
         engine, ranks, accelerator: as for ``Simulation``.
 
     Raises:
-        InputError: the checkpoint cannot be continued, or the files cannot be written or are those of a run that goes on;
+        InputError: the checkpoint cannot be continued, or the files cannot be written, or another run is writing them;
             nothing has been touched.
         RunError: the run stopped being physical; the text says where the last whole state is.
     """
