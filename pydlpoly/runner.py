@@ -19,6 +19,7 @@ from typing import Any, Protocol
 
 from pydlpoly.callbacks import CallbackFunction
 from pydlpoly.errors import InputError, RunError
+from pydlpoly.formats.atomic import sole_writer
 from pydlpoly.formats.output import RunSummary
 from pydlpoly.interrupts import deferred_signals
 from pydlpoly.reporters import (
@@ -112,7 +113,8 @@ def run_scene(
         engine, ranks, accelerator: as for ``Simulation``.
 
     Raises:
-        InputError: the checkpoint cannot be continued, or the files cannot be written; nothing has been touched.
+        InputError: the checkpoint cannot be continued, or the files cannot be written, or another run is writing them;
+            nothing has been touched.
         RunError: the run stopped being physical; the text says where the last whole state is.
     """
     last = scene.run.steps if steps is None else steps
@@ -123,12 +125,15 @@ def run_scene(
         simulation.add_callback(function, every)
     target = Path(folder)
     with deferred_signals(simulation.interrupt, _SIGNALS):
-        _prepare_folder(target, scene, keep=checkpoint is None)
-        with _reporters(simulation, target, append=checkpoint is not None) as (log, keeper):
-            if checkpoint is not None:
-                keeper.written_step = simulation.step
-            set_up = clock.perf_counter() - begin
-            summary, interrupted = _run(simulation, last, log, keeper, set_up, progress and not _fights_with(scene))
+        paths = _prepare_folder(target, scene, keep=checkpoint is None)
+        with sole_writer(target):
+            if checkpoint is None:
+                _set_aside(paths, target)
+            with _reporters(simulation, target, append=checkpoint is not None) as (log, keeper):
+                if checkpoint is not None:
+                    keeper.written_step = simulation.step
+                set_up = clock.perf_counter() - begin
+                summary, interrupted = _run(simulation, last, log, keeper, set_up, progress and not _fights_with(scene))
     path = target / scene.output.checkpoint_file if scene.output.checkpoint_file else None
     return RunResult(simulation, summary, target, interrupted, path)
 
@@ -234,8 +239,8 @@ def _format_files(scene: Scene) -> tuple[str, ...]:
     return tuple(file for name in output.trajectory_formats for file in FORMATS[name].files(output.trajectory_stem))
 
 
-def _prepare_folder(folder: Path, scene: Scene, *, keep: bool) -> None:
-    """Make sure that all files can be written, then move those of an earlier run aside when ``keep`` says so."""
+def _prepare_folder(folder: Path, scene: Scene, *, keep: bool) -> list[Path]:
+    """Make sure that all files can be written, and return them; ``keep``: those of an earlier run will be set aside."""
     paths = [folder / name for name in _file_names(scene)]
     last = (scene.output.configuration_file, scene.output.beads_file)
     _refuse_clashes(paths, scene, [] if keep else [folder / name for name in last if name])
@@ -247,8 +252,15 @@ def _prepare_folder(folder: Path, scene: Scene, *, keep: bool) -> None:
             if not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
                 found = "no permission to write here" if path.parent.is_dir() else "there is no such folder"
                 raise InputError(f"cannot be written: {found}", path=str(path))
+    except OSError as error:
+        raise InputError(f"the output folder cannot be used: {error.strerror or error}", path=str(folder)) from error
+    return paths
+
+
+def _set_aside(paths: list[Path], folder: Path) -> None:
+    try:
         for path in paths:
-            if keep and path.is_file():
+            if path.is_file():
                 path.replace(path.with_name(path.name + ".bak"))
     except OSError as error:
         raise InputError(f"the output folder cannot be used: {error.strerror or error}", path=str(folder)) from error

@@ -16,6 +16,7 @@ import pytest
 
 import pydlpoly
 from pydlpoly.errors import InputError, RunError
+from pydlpoly.formats.atomic import sole_writer
 from pydlpoly.formats.checkpoint import read_checkpoint, write_checkpoint
 from pydlpoly.formats.history import read_history
 from pydlpoly.formats.rdfdat import read_rdf
@@ -118,6 +119,16 @@ def test_output_folder_that_is_a_file(tmp_path: Path) -> None:
     scene = pydlpoly.load(run_folder(tmp_path))
     with pytest.raises(InputError, match=r"CONFIG: the output folder cannot be used: File exists"):
         run_scene(scene, tmp_path / "CONFIG")
+
+
+def test_two_runs_do_not_write_into_one_folder(tmp_path: Path) -> None:
+    folder = run_folder(tmp_path)
+    run_scene(load(folder), folder)
+    before = listing(folder)
+    with sole_writer(folder), pytest.raises(InputError, match="another run is writing into this folder"):
+        run_scene(load(folder), folder)
+    assert listing(folder) == before
+    run_scene(load(folder), folder)  # the hold ends with its block
 
 
 def test_run_of_no_steps(tmp_path: Path) -> None:

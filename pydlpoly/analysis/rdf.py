@@ -113,6 +113,8 @@ class RadialDistribution(Analysis[RadialDistributions]):
         single = {name for name in names if frame.names.count(name) < 2}
         every = [pair for pair in combinations_with_replacement(names, 2) if not (pair[0] == pair[1] in single)]
         self._pairs = self._pairs or tuple(every)
+        if not self._pairs:
+            raise InputError("g(r) needs two beads")
         reach = largest if self._reach is None else self._reach
         bins = int(np.floor(reach / self._width + 1e-9))
         if bins < 1:

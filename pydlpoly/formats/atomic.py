@@ -13,6 +13,11 @@ from typing import IO
 
 from pydlpoly.errors import InputError, RunError
 
+try:
+    import fcntl
+except ImportError:  # systems that are not POSIX
+    fcntl = None  # type: ignore[assignment]
+
 PathLike = str | os.PathLike[str]
 
 
@@ -187,3 +192,30 @@ def _sync_folder(folder: Path) -> None:
             os.fsync(descriptor)
         finally:
             os.close(descriptor)
+
+
+@contextmanager
+def sole_writer(folder: PathLike) -> Iterator[None]:
+    """Keep other runs from writing into a folder until the block, or the process, ends.
+
+    The lock is the system's, on the folder itself: no file stays behind, not even after a kill. File systems without
+    such locks hold nobody off.
+
+    Raises:
+        InputError: another run holds the folder.
+    """
+    if fcntl is None:
+        yield
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            told = "another run is writing into this folder; wait for its end, or give this one a folder of its own"
+            raise InputError(told, path=os.fspath(folder)) from None
+        except OSError:
+            pass
+        yield
+    finally:
+        os.close(handle)

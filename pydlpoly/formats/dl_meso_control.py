@@ -164,7 +164,7 @@ def _without_effect(reason: str) -> Handler:
 
 def _refused(what: str, cure: str = "") -> Handler:
     def read(line: _MesoLine) -> None:
-        raise line.error(f"asks for {what}, which is not modelled{cure and f'; {cure}'}")
+        raise line.error(f"asks for {what}, which is not read in DL_MESO's dialect{cure and f'; {cure}'}")
 
     return read
 
@@ -320,7 +320,7 @@ _DIRECTIVES: dict[str, tuple[str, Handler]] = {
     "ensemble": ("ensemble", _ensemble),
     "equil": ("equilibration steps", _number("time_equilibration")),
     "ewald": ("ewald", _ewald),
-    "froz": ("frozen", _refused("walls of frozen beads")),
+    "froz": ("frozen", _refused("walls of frozen beads", "a new-style CONTROL has wall_method")),
     "global": ("global bonds", _without_effect("it says how DL_MESO shares out bonds among processors")),
     "io": ("io write", _without_effect("pydlpoly writes files in one way only")),
     "job": ("job time", _number("time_job")),
@@ -345,7 +345,7 @@ _DIRECTIVES: dict[str, tuple[str, Handler]] = {
     "stats": ("stats every", _number("stats_frequency")),
     "steps": ("steps", _number("time_run")),
     "stres": ("stress", _refused("a file of stresses", "STATIS and DIAGNOSTICS hold them")),
-    "surf": ("surface", _refused("walls or sheared faces")),
+    "surf": ("surface", _refused("walls or sheared faces", "a new-style CONTROL has wall_method and shear_rate")),
     "temp": ("temperature", _number("temperature")),
     "therm": ("thermostat cutoff", _other_cutoff("drag_cutoff", "the range of all drags")),
     "timestep": ("timestep", _number("timestep")),

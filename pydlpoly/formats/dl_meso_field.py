@@ -378,7 +378,11 @@ class _MesoParser:
         word = line.words[2]
         key = word[:4].lower()
         if key in _REFUSED_PAIRS:
-            lines.fail(f"{_REFUSED_PAIRS[key]} is not modelled; modelled are {', '.join(_PAIR_LAWS)}", line, word)
+            lines.fail(
+                f"{_REFUSED_PAIRS[key]} is read from a FIELD of DL_POLY only; here {', '.join(_PAIR_LAWS)} are",
+                line,
+                word,
+            )
         if key not in _PAIR_LAWS:
             near = suggest(word, _PAIR_LAWS) or f"; known are {', '.join(_PAIR_LAWS)}"
             lines.fail(f"unknown interaction{near}", line, word)
@@ -409,10 +413,18 @@ class _MesoParser:
         self.externals.append(ExternalLine(key, self._numbers(line, 1, ("x", "y", "z")), line.number))
 
     def _read_surface(self, head: Line) -> None:
-        self.lines.fail("walls at the faces of the box are not modelled", head, head.words[0])
+        self.lines.fail(
+            "walls at the faces of the box are not read here; a new-style CONTROL has wall_method",
+            head,
+            head.words[0],
+        )
 
     def _read_frozen(self, head: Line) -> None:
-        self.lines.fail("walls of frozen beads are not modelled", head, head.words[0])
+        self.lines.fail(
+            "walls of frozen beads are not read here; a new-style CONTROL has wall_method",
+            head,
+            head.words[0],
+        )
 
     def _read_units(self, head: Line) -> None:
         word = head.words[1].lower() if len(head.words) > 1 else "internal"

@@ -96,6 +96,12 @@ def test_reach_beyond_half_the_cell_is_refused() -> None:
         RadialDistribution().of([])
 
 
+def test_one_bead_has_no_distances() -> None:
+    alone = frames_of_arrays(np.zeros((1, 1, 3)), 4.0)
+    with pytest.raises(InputError, match=r"^g\(r\) needs two beads$"):
+        RadialDistribution().of(alone)
+
+
 def test_density_profile_of_a_slab() -> None:
     """All beads between −1 and 1 of a height of 10: density N/(V/5) there, none elsewhere; any axis, any centre."""
     places = gas(20, 500, [4.0, 5.0, 2.0])

@@ -212,12 +212,21 @@ def test_remarks_behind_a_comment_sign() -> None:
 @pytest.mark.parametrize(
     ("lines", "expected"),
     [
-        ("surface hard z", "CONTROL:7: 'surface': asks for walls or sheared faces, which is not modelled"),
-        ("frozen walls x", "CONTROL:7: 'frozen': asks for walls of frozen beads, which is not modelled"),
-        ("vacuum 2.0", "CONTROL:7: 'vacuum': asks for a vacuum gap, which is not modelled"),
+        (
+            "surface hard z",
+            "CONTROL:7: 'surface': asks for walls or sheared faces, which is not read in DL_MESO's dialect; "
+            "a new-style CONTROL has wall_method and shear_rate",
+        ),
+        (
+            "frozen walls x",
+            "CONTROL:7: 'frozen': asks for walls of frozen beads, which is not read in DL_MESO's dialect; "
+            "a new-style CONTROL has wall_method",
+        ),
+        ("vacuum 2.0", "CONTROL:7: 'vacuum': asks for a vacuum gap, which is not read in DL_MESO's dialect"),
         (
             "permittivity constant 13.87",
-            "CONTROL:7: 'permittivity': asks for a permittivity, which is not modelled; give a bjerrum length",
+            "CONTROL:7: 'permittivity': asks for a permittivity, which is not read in DL_MESO's dialect; "
+            "give a bjerrum length",
         ),
         (
             "ensemble npt mdvv berendsen 1.0",

@@ -297,7 +297,7 @@ def test_files_of_other_programs(text: str, expected: str) -> None:
         ),
         (
             SPECIES + PAIRS.replace("A W dpd 30.0 1.0 4.5", "A W mdpd 30.0 1.0 4.5"),
-            "FIELD:9: 'mdpd': many-body DPD is not modelled; modelled are dpd, lj, wca",
+            "FIELD:9: 'mdpd': many-body DPD is read from a FIELD of DL_POLY only; here dpd, lj, wca are",
         ),
         (SPECIES + PAIRS.replace("A W dpd", "A W dpt"), "FIELD:9: 'dpt': unknown interaction; did you mean dpd?"),
         (
@@ -309,10 +309,13 @@ def test_files_of_other_programs(text: str, expected: str) -> None:
             "FIELD:11: 'close': INTERACTIONS on line 7 says 4, but only 3 came before this; correct the number or add "
             "the missing ones",
         ),
-        (SPECIES + "FROZEN\nA 1.0\n" + PAIRS, "FIELD:7: 'FROZEN': walls of frozen beads are not modelled"),
+        (
+            SPECIES + "FROZEN\nA 1.0\n" + PAIRS,
+            "FIELD:7: 'FROZEN': walls of frozen beads are not read here; a new-style CONTROL has wall_method",
+        ),
         (
             SPECIES + "SURFACE 1\nA dpd 1.0\n" + PAIRS,
-            "FIELD:7: 'SURFACE': walls at the faces of the box are not modelled",
+            "FIELD:7: 'SURFACE': walls at the faces of the box are not read here; a new-style CONTROL has wall_method",
         ),
         (SPECIES + "EXTERNAL\nshear 0.2 0 0\n" + PAIRS, "FIELD:8: 'shear': shear by sliding faces is not modelled"),
         (SPECIES + "UNITS kJ\n" + PAIRS, "FIELD:7: 'kJ': unknown energy unit; known are internal, kT"),
