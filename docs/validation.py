@@ -55,6 +55,10 @@ _WATER = "tests/physics/test_dpd_water.py"
 _STATE = "tests/physics/test_equation_of_state.py::test_pressures_of_allen_and_tildesley"
 _LIPIDS = "tests/physics/test_dl_meso.py::test_lipids_have_dl_mesos_averages"
 _SMEARED = "tests/test_charge_laws.py::test_table_of_values"
+_MANY_BODY = "tests/physics/test_many_body.py"
+_HEAT = "tests/physics/test_heat.py::test_profile_is_the_printed_one_with_lammpss_options"
+_SPECIES = "tests/physics/test_transport.py::test_profiles_of_lammps_example"
+EXAMPLE = "printed with LAMMPS's example"
 
 FLUID = "A = 25, ρ = 3"
 ROWS = (
@@ -117,6 +121,30 @@ ROWS = (
     Row("lipid-bond", "bond energy", 0.16570, 0.0045, DL_MESO, _LIPIDS, digits=4),
     Row("lipid-angle", "angle energy", 0.20947, 0.025, DL_MESO, _LIPIDS, digits=4),
     Row("lipid-pressure", "pressure", 23.340, 0.323, DL_MESO, _LIPIDS),
+    *(
+        Row(f"{name}-{kernel}", text, value, error, HARNESS, f"{_MANY_BODY}::test_slab")
+        for name, kernel, text, value, error in (
+            ("slab", "warren", "many-body liquid (A = −40, B = 25, r_d = 3/4): density of a slab", 6.08, 0.02),
+            ("tension", "warren", "its surface tension", 7.3, 0.3),
+            ("slab", "lucy", "with Lucy's kernel: density of a slab", 6.71, 0.02),
+            ("tension", "lucy", "its surface tension", 9.3, 0.3),
+        )
+    ),
+    *(
+        Row(f"{kernel}-{density}", f"pressure of many-body bulk at ρ = {density}, kernel {kernel}", value, 0.0, source,
+            f"{_MANY_BODY}::test_bulk_pressure")
+        for kernel, source, values in (
+            ("warren", HARNESS, (-3.4, 61.3, 167.0)),
+            ("lucy", LAMMPS, (-11.5, 16.9, 107.1)),
+        )
+        for density, value in zip((6, 7, 8), values, strict=True)
+    ),
+    Row("edpd-max", "beads with heat between a source and a sink: highest temperature", 1.06003, 0.0, EXAMPLE, _HEAT),
+    Row("edpd-min", "lowest", 0.940968, 0.0, EXAMPLE, _HEAT),
+    Row("tdpd-1-max", "dissolved species between a source and a sink: highest, first", 1.05139, 0.0, EXAMPLE, _SPECIES),
+    Row("tdpd-1-min", "lowest, first", 0.948624, 0.0, EXAMPLE, _SPECIES),
+    Row("tdpd-2-max", "highest, second", 1.03746, 0.0, EXAMPLE, _SPECIES),
+    Row("tdpd-2-min", "lowest, second", 0.962527, 0.0, EXAMPLE, _SPECIES),
 )  # fmt: skip
 """All numbers, in the order of the table."""
 

@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 
 from pydlpoly import Simulation, load, single_point
 from pydlpoly.analysis import MeanSquareDisplacement, RadialDistribution, analyse, frames_of_arrays
-from pydlpoly.bench.scenes import cube, single_beads
+from pydlpoly.bench.scenes import cube, dissolved_species, single_beads
 from pydlpoly.formats.history_reader import Frame
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.reporters import StressProfile
@@ -24,7 +24,15 @@ from pydlpoly.scene.model import Scene
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.append(str(ROOT))  # last: an installed pydlpoly goes before the source folder
 
-from tests.physics import test_dl_meso, test_electrolyte, test_flow, test_phase_separation  # noqa: E402
+from tests.physics import (  # noqa: E402
+    test_dl_meso,
+    test_electrolyte,
+    test_flow,
+    test_heat,
+    test_many_body,
+    test_phase_separation,
+    test_transport,
+)
 from tests.test_charge_laws import BETA, BJERRUM, TABLE_R, evaluate  # noqa: E402
 from tests.test_charges import rock_salt  # noqa: E402
 
@@ -259,6 +267,32 @@ def lipids() -> Found:
     return {f"lipid-{name}": (found[name], 0.0) for name in test_dl_meso.PUBLISHED}
 
 
+# -- What beads carry -------------------------------------------------------------------------------------------------
+
+
+def many_body() -> Found:
+    """Slabs and bulk of the many-body liquid with both kernels, as in the tests."""
+    found: Found = {}
+    for kernel in ("warren", "lucy"):
+        slab = test_many_body.slab(kernel)
+        # 800 frames of some 880 beads in the middle; the error is what two halves of the run differ by.
+        found[f"slab-{kernel}"] = slab.density, 0.01
+        found[f"tension-{kernel}"] = slab.tension, slab.tension_error
+        for density in (6, 7, 8):
+            found[f"{kernel}-{density}"] = test_many_body.bulk_pressure(kernel, density)
+    return found
+
+
+def carried() -> Found:
+    """The hottest and coldest layers of LAMMPS's examples of pair styles edpd and tdpd, as in the tests."""
+    options = "viscous_heating lammps", "repulsion scaled"
+    layers, _ = test_heat.profile(test_heat.example("mdvv", *options, polynomials=test_heat.POLYNOMIALS))
+    species, _ = test_transport.profiles(dissolved_species())
+    rows = {"edpd": layers, "tdpd-1": species[0], "tdpd-2": species[1]}
+    ends = {f"{name}-{end}": float(getattr(row, end)()) for name, row in rows.items() for end in ("max", "min")}
+    return {name: (value, 0.0005) for name, value in ends.items()}
+
+
 GROUPS: dict[str, Callable[[], Found]] = {
     "water": water,
     "equation-of-state": equation_of_state,
@@ -268,5 +302,7 @@ GROUPS: dict[str, Callable[[], Found]] = {
     "charges": charges,
     "electrolyte": electrolyte,
     "lipids": lipids,
+    "many-body": many_body,
+    "carried": carried,
 }
 """What can be measured, by name."""

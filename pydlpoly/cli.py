@@ -35,11 +35,10 @@ from pydlpoly.planning.cli import plan
 from pydlpoly.report.cli import plot_command, report_command
 from pydlpoly.runner import RunResult, run_scene
 from pydlpoly.scene import Scene, load
-from pydlpoly.scene.model import Precision
+from pydlpoly.scene.model import MOST_THREADS, Precision
 from pydlpoly.trajectories.convert import TARGETS, convert_trajectory
 
 EXIT_REFUSED, EXIT_USAGE, EXIT_STOPPED, EXIT_INTERRUPTED = 1, 2, 3, 130
-_MOST_THREADS = 1024
 
 app = typer.Typer(
     add_completion=False, no_args_is_help=True, help="Dissipative particle dynamics from DL_POLY-format files."
@@ -78,7 +77,7 @@ def run(
     config: ConfigFile = None,
     steps: Annotated[int | None, typer.Option(min=0, help="Total number of steps in place of CONTROL's.")] = None,
     threads: Annotated[
-        int | None, typer.Option(min=1, max=_MOST_THREADS, help="Threads; results do not depend on it.")
+        int | None, typer.Option(min=1, max=MOST_THREADS, help="Threads; results do not depend on it.")
     ] = None,
     seed: Annotated[int | None, typer.Option(min=0, max=2**64 - 1, help="Seed of noise and start velocities.")] = None,
     precision: Annotated[
@@ -177,7 +176,7 @@ def explain(
 def convert(
     source: Annotated[
         Path,
-        typer.Argument(help="A CONTROL file of either style; with dl_poly and lammps a folder; or a trajectory."),
+        typer.Argument(help="A folder; or its CONTROL, with new and old; or a trajectory."),
     ],
     *,
     to: Annotated[
@@ -202,6 +201,7 @@ def convert(
 ) -> None:
     """Rewrite CONTROL in the other style, a folder in DL_MESO's dialect or for LAMMPS, or a trajectory."""
     if to in TARGETS:
+        source = source / "HISTORY" if source.is_dir() else source
         typer.echo(f"written: {convert_trajectory(source, to, output, frame=frame)}")
         return
     if frame is not None:
@@ -212,6 +212,7 @@ def convert(
     if to not in ("new", "old"):
         expected = ", ".join(("new", "old", "dl_poly", "lammps", *TARGETS))
         raise typer.BadParameter(f"'{to}' is nothing to write; expected one of {expected}", param_hint="--to")
+    source = source / "CONTROL" if source.is_dir() else source
     record = read_control(source, lenient=lenient)
     if record.meso is not None:
         message = (
@@ -223,6 +224,8 @@ def convert(
     text = write_control(replace(record, style="new" if to == "new" else "old"))
     if output is None:
         typer.echo(text, nl=False)
+    elif output.resolve() == source.resolve():
+        raise InputError("is the file to be read; say with --output what to write", path=str(output))
     else:
         try:
             replace_file(output, text)
@@ -260,7 +263,7 @@ def tradeoff(
         str | None, typer.Option(help="double, mixed, reference: one or several, with commas (default: double,mixed).")
     ] = None,
     diffusion: Annotated[bool, typer.Option("--diffusion", help="Also compare diffusion coefficients.")] = False,
-    threads: Annotated[int | None, typer.Option(min=1, max=_MOST_THREADS, help="Threads of every run.")] = None,
+    threads: Annotated[int | None, typer.Option(min=1, max=MOST_THREADS, help="Threads of every run.")] = None,
     seed: Annotated[int | None, typer.Option(min=0, max=2**64 - 1, help="Seed of all runs.")] = None,
     everything: Annotated[bool, typer.Option("--all", help="Print the candidates that were given up, too.")] = False,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write the results as JSON.")] = None,
@@ -314,6 +317,8 @@ def _scene(
         folder = example_folder(example)
     elif directory is not None:
         folder = directory
+        if folder.is_file():
+            raise InputError("it is a file; expected a folder with CONTROL, FIELD and CONFIG", path=str(folder))
     elif control is not None:
         folder = control.parent
     else:
@@ -390,6 +395,9 @@ def main() -> NoReturn:
         sys.exit(EXIT_STOPPED)
     except PydlpolyError as error:
         typer.echo(f"pydlpoly: {error}", err=True)
+        sys.exit(EXIT_REFUSED)
+    except MemoryError as error:
+        typer.echo(f"pydlpoly: there is not enough memory for this: {error}", err=True)
         sys.exit(EXIT_REFUSED)
     except OSError as error:  # the system refuses even to look, as in a folder without permission
         place = f"{error.filename}: " if error.filename is not None else ""

@@ -62,6 +62,7 @@ def molecule_scene(
     files: Mapping[str, str] | None = None,
     masses: Mapping[str, float] | None = None,
     extern: str = "",
+    extensions: str = "",
 ) -> Scene:
     """Return the scene of ``copies`` molecules, by default in reduced units, nve, without pair laws.
 
@@ -76,11 +77,12 @@ def molecule_scene(
         files: further files by name, for tables.
         masses: by species, 1 unless given.
         extern: line of an external field.
+        extensions: text after ``close``.
     """
     vdw = [f"vdw {len(pairs)}", *pairs] if pairs else []
     field = ["extern", extern] if extern else []
     molecule = molecule_text(names, blocks, copies, frozen, masses, charges)
-    text = "\n".join(["test field", f"units {units}", "molecules 1", molecule, *vdw, *field, "close", ""])
+    text = "\n".join(["test field", f"units {units}", "molecules 1", molecule, *vdw, *field, "close", extensions, ""])
     places: FloatArray = np.asarray(positions, dtype=np.float64)
     configuration = Configuration(
         names=tuple(names) * copies,

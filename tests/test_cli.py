@@ -537,3 +537,49 @@ def test_permission_denied(tmp_path: Path, cli, monkeypatch: pytest.MonkeyPatch)
     assert refused.code == 1
     assert "cannot be written: no permission to write here" in refused.err
     assert listing(tmp_path) == before
+
+
+def test_memory_that_is_not_there(tmp_path: Path, cli, monkeypatch: pytest.MonkeyPatch) -> None:
+    def exhausted(*_: object, **__: object) -> None:
+        raise MemoryError("Unable to allocate 426. PiB")
+
+    monkeypatch.setattr("pydlpoly.cli.load", exhausted)
+    refused = cli("check", run_folder(tmp_path))
+    assert (refused.code, refused.out) == (1, "")
+    assert refused.err == "pydlpoly: there is not enough memory for this: Unable to allocate 426. PiB\n"
+
+
+def test_converting_a_folder_means_its_control(tmp_path: Path, cli) -> None:
+    run_folder(tmp_path)
+    assert cli("convert", tmp_path, "--to", "old").out == cli("convert", tmp_path / "CONTROL", "--to", "old").out != ""
+
+
+def test_converting_never_replaces_the_control_that_is_read(tmp_path: Path, cli) -> None:
+    run_folder(tmp_path)
+    before = listing(tmp_path)
+    refused = cli("convert", tmp_path / "CONTROL", "--to", "old", "-o", tmp_path / "CONTROL")
+    assert refused.code == 1
+    assert "CONTROL: is the file to be read; say with --output what to write" in refused.err
+    assert listing(tmp_path) == before
+
+
+def test_the_trajectory_of_a_folder_is_its_history(tmp_path: Path, cli) -> None:
+    cli("run", run_folder(tmp_path), "--steps", "10", "--quiet")
+    assert cli("convert", tmp_path, "--to", "config", "-o", tmp_path / "last").code == 0
+    assert len(read_config(tmp_path / "last").names) == 160
+
+
+def test_a_file_where_a_folder_is_expected_is_called_a_file(tmp_path: Path, cli) -> None:
+    refused = cli("check", run_folder(tmp_path) / "CONTROL")
+    assert refused.code == 1
+    assert refused.err.endswith("CONTROL: it is a file; expected a folder with CONTROL, FIELD and CONFIG\n")
+
+
+@pytest.mark.parametrize(
+    ("option", "told"),
+    [("--output", "cannot be written: No such file or directory"), ("--inputs", "expected the one with CONTROL")],
+)
+def test_a_report_without_its_folders_is_refused(tmp_path: Path, cli, option: str, told: str) -> None:
+    refused = cli("report", run_folder(tmp_path), option, tmp_path / "no" / "such.html")
+    assert refused.code == 1
+    assert told in refused.err

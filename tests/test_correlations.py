@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from pydlpoly import Simulation, load
 from pydlpoly.errors import InputError, SceneError
@@ -196,7 +197,6 @@ def test_control_says_what_is_correlated(tmp_path: Path) -> None:
 
 
 def test_cor_reads_as_yaml(tmp_path: Path) -> None:
-    yaml = pytest.importorskip("yaml")
     one = Correlation("stress_xy-stress_xy", 3, 1, 1, np.array([0.0, 0.1]), np.array([2.0, -1e-30]))
     write_correlations(
         tmp_path / "COR", "it's", [one], [Derived("viscosity", 0.5, [0.4, 0.6], "katm ps", float("nan"))]

@@ -21,8 +21,6 @@ from pydlpoly.runner import run_scene
 
 from .run_folders import run_folder
 
-pytest.importorskip("pydlpoly.scene.transport")
-
 BLOCK = """extension transport
 species salt sugar
 pair * * salt kappa 0.5 range 1.0 noise 1e-6

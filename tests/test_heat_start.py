@@ -16,8 +16,6 @@ from pydlpoly.runner import run_scene
 
 from .run_folders import run_folder
 
-pytest.importorskip("pydlpoly.scene.heat")
-
 BLOCK = """extension heat
 capacity A 100 temperature 1.0
 capacity B 50 temperature 1.5

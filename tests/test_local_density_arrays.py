@@ -13,8 +13,6 @@ from pydlpoly.scene.bins import available_quantities, unit_of
 
 from .scene_builder import make_scene
 
-pytest.importorskip("pydlpoly.scene.many_body")
-
 WARREN = ("A A mdpd -40.0 25.0 1.0 0.75 4.5",)
 
 

@@ -55,6 +55,14 @@ def test_single_point(scene: pydlpoly.Scene) -> None:
     assert point.virial == pytest.approx(-np.trace(virial), rel=1e-12)
 
 
+@pytest.mark.parametrize("threads", [-1, 1_000_000])
+def test_threads_that_no_process_can_have(scene: pydlpoly.Scene, threads: int) -> None:
+    told = rf"^the number of threads must (be at least 1|lie between 1 and 1024), not {threads}$"
+    for start in (Simulation, single_point):
+        with pytest.raises(SceneError, match=told):
+            start(scene, threads=threads)
+
+
 def test_single_point_is_not_changed_by_seed_or_threads(scene: pydlpoly.Scene) -> None:
     one, two = single_point(scene, threads=1), single_point(scene, threads=2)
     assert one.forces.tobytes() == two.forces.tobytes()

@@ -12,11 +12,10 @@ from typing import Annotated, get_args
 import typer
 
 from pydlpoly.errors import suggest
-from pydlpoly.scene.model import Precision
+from pydlpoly.scene.model import MOST_THREADS, Precision
 
 _SIMDS = ("plain", "avx2", "avx512")
 _EXIT_FAILED = 3
-_MOST_THREADS = 1024
 
 Names = Annotated[list[str] | None, typer.Argument(help="Scenes, by name or pattern (default: all but the large).")]
 
@@ -79,8 +78,8 @@ def bench(
 
 def _counts(text: str) -> list[int]:
     words = [word.strip() for word in text.split(",")]
-    if not all(word.isdigit() and 1 <= int(word) <= _MOST_THREADS for word in words):
-        message = f"'{text}': expected numbers from 1 to {_MOST_THREADS} with commas"
+    if not all(word.isdigit() and 1 <= int(word) <= MOST_THREADS for word in words):
+        message = f"'{text}': expected numbers from 1 to {MOST_THREADS} with commas"
         raise typer.BadParameter(message, param_hint="--threads")
     return list(dict.fromkeys(int(word) for word in words))
 

@@ -12,8 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pydlpoly.engines.lammps_ledger import Ledger
+from pydlpoly.engines.lammps_state import LammpsState
 from pydlpoly.engines.lammps_team import JobTeam, ProcessTeam, Team, enter_job, switches_of
 from pydlpoly.engines.lammps_translate import Translation, noise_seed, translate
+from pydlpoly.engines.lammps_translate.carried import carried_of
 from pydlpoly.engines.native import NativeEngine
 from pydlpoly.engines.native_scene import long_range_tail
 from pydlpoly.engines.protocol import EngineOptions
@@ -27,146 +30,7 @@ DRAG_NOTE = (
 )
 
 
-class LammpsState:
-    """The state of the beads in LAMMPS, fetched when it is looked at; see ``Engine`` for the attributes.
-
-    Args:
-        engine: the engine.
-        native: the same scene in the compiled core, whose pair distances it lends.
-    """
-
-    def __init__(self, engine: LammpsEngine, native: Any) -> None:
-        self._engine, self._native = engine, native
-        self.step: int = 0
-        self.time: float = 0.0
-        self.cell: FloatArray = np.ascontiguousarray(native.cell)
-        self.thermostat: list[float] = list(native.thermostat)
-        self.distances_every = self.distances_after = 0
-        self._arrays: dict[str, NDArray[Any]] = {
-            "positions": np.asarray(native.positions),
-            "velocities": np.asarray(native.velocities),
-            "forces": np.asarray(native.forces),
-            "images": np.asarray(native.images, dtype=np.int64),
-        }
-        self._clock = (0, 0.0)  # step and time of the arrays
-        self.fresh = True
-
-    def __getattr__(self, name: str) -> Any:
-        """What beads in LAMMPS never carry, because such scenes are refused, is as empty as in the native core."""
-        if name.startswith("_"):
-            raise AttributeError(name)
-        return getattr(self._native, name)
-
-    @property
-    def positions(self) -> FloatArray:
-        """(N, 3) a copy of the positions, wrapped into the cell."""
-        return self._fetched("positions")
-
-    @positions.setter
-    def positions(self, value: FloatArray) -> None:
-        self._set("positions", value)
-
-    @property
-    def velocities(self) -> FloatArray:
-        """(N, 3) a copy of the velocities."""
-        return self._fetched("velocities")
-
-    @velocities.setter
-    def velocities(self, value: FloatArray) -> None:
-        self._set("velocities", value)
-
-    @property
-    def forces(self) -> FloatArray:
-        """(N, 3) a copy of the total forces."""
-        return self._fetched("forces")
-
-    @forces.setter
-    def forces(self, value: FloatArray) -> None:
-        self._set("forces", value)
-
-    @property
-    def images(self) -> NDArray[np.int32]:
-        """(N, 3) cells crossed since the start."""
-        return self._fetched("images").astype(np.int32)
-
-    @images.setter
-    def images(self, value: NDArray[np.int32]) -> None:
-        self._set("images", np.asarray(value, dtype=np.int64))
-
-    @property
-    def volume(self) -> float:
-        """Of the cell."""
-        return abs(float(np.linalg.det(self.cell)))
-
-    def wrap(self) -> None:
-        """Bring positions back into the cell, counting the cells they cross."""
-        positions = self._fetched("positions")
-        shifts = np.floor(positions @ np.linalg.inv(self.cell) + 0.5)
-        self._arrays["positions"] = positions - shifts @ self.cell
-        self._arrays["images"] = self._arrays["images"] + shifts.astype(np.int64)
-
-    def store(self, beads: dict[str, NDArray[Any]]) -> None:
-        """Take what LAMMPS says of the present step."""
-        self._arrays, self.fresh, self._clock = beads, True, (self.step, self.time)
-        self.wrap()
-
-    def advance(self, steps: int, timestep: float) -> None:
-        """Count steps that LAMMPS has taken."""
-        self.step += steps
-        self.time += steps * timestep
-        self.fresh = False
-
-    def fall_back(self) -> None:
-        """Go back to the last step whose beads are here; LAMMPS is gone."""
-        self.step, self.time = self._clock
-        self.fresh = True
-
-    # Pair distances
-
-    def enable_distances(self, reach: float, bins: int, every: int, after: int = 0) -> None:
-        """Sample pair distances in steps divisible by ``every`` and later than ``after``."""
-        self._native.enable_distances(reach, bins, every, after)
-        self.distances_every, self.distances_after = every, after
-
-    def until_sample(self) -> int:
-        """Return how many steps there are to the next sample; a large number without samples."""
-        if self.distances_every <= 0:
-            return 2**31
-        return self.distances_every - self.step % self.distances_every
-
-    def sample_if_due(self) -> None:
-        """Count the distances of this step if it is to be sampled."""
-        every = self.distances_every
-        if every > 0 and self.step > self.distances_after and self.step % every == 0:
-            self._native.positions = self.positions
-            self._native.sample_distances()
-
-    def distance_counts(self) -> NDArray[np.int64]:
-        """As the core's."""
-        return np.asarray(self._native.distance_counts())
-
-    def restore_distances(self, counts: list[int], samples: int, volumes: float) -> None:
-        """As the core's."""
-        self._native.restore_distances(counts, samples, volumes)
-
-    @property
-    def distance_samples(self) -> int:
-        """Number of samples."""
-        return int(self._native.distance_samples)
-
-    @property
-    def distance_volumes(self) -> float:
-        """Sum of the cell's volumes over the samples."""
-        return float(self._native.distance_volumes)
-
-    def _fetched(self, name: str) -> NDArray[Any]:
-        if not self.fresh:
-            self.store(self._engine.fetch())
-        return self._arrays[name].copy()
-
-    def _set(self, name: str, value: NDArray[Any]) -> None:
-        self._fetched(name)  # the others stay as they are now
-        self._arrays[name] = np.array(value, dtype=np.int64 if name == "images" else np.float64)
+LUMPED_NOTE = "engine lammps: one virial of pair laws, drag and noise is known; it stands under conservative"
 
 
 class LammpsEngine:
@@ -189,10 +53,12 @@ class LammpsEngine:
         self._job = job = enter_job(switches)
         ranks = _ranks(options, job)
         translate(scene, 1)  # refuses before anything is started
+        _check_accelerator(scene, options)
         self._scene, self._seed = scene, seed
+        self._ledger = Ledger(scene)
         self._tail = long_range_tail(scene)
         self._native = NativeEngine(scene, seed=seed, threads=threads)
-        self.system = LammpsState(self, self._native.system)
+        self.system = LammpsState(self, self._native.system, carried_of(scene))
         self._seen: dict[str, FloatArray | float] = {}
         self._raw_images: NDArray[np.int64] | None = None
         self._range = 0  # of LAMMPS's counts of cells
@@ -220,16 +86,26 @@ class LammpsEngine:
         system, scene = self.system, self._scene
         translation = translate(scene, noise_seed(self._seed, system.step))
         self._translation: Translation = translation
-        positions, velocities = system.positions, system.velocities
+        carried = translation.carried
+        beads = (
+            system.positions,
+            system.velocities,
+            np.asarray(system.bead_temperatures) if carried.heat else None,
+            system.concentrations if carried.dissolved else None,
+        )
         path = self._team.folder / "beads.data"
         try:
             with path.open("w", encoding="utf-8") as file:
-                file.writelines(translation.data.pieces(positions, velocities))
+                file.writelines(translation.data.pieces(*beads))
         except OSError as error:
             raise RunError(f"the beads cannot be handed to LAMMPS: {path}: {error.strerror or error}") from error
         images = system.images.astype(np.int64)
-        self._observe(self._ask("load", translation.commands(str(path))))
+        commands = [*translation.commands(str(path)), *translation.carried_computes()]
+        answers = self._ask("load", commands, (carried.heat, carried.density, carried.dissolved))
         path.unlink()
+        self._starting = True
+        self._ledger.begin(carried, answers)
+        self._observe(answers)
         self._raw_images, self._images = None, images
         system.store(self.fetch())
 
@@ -241,6 +117,9 @@ class LammpsEngine:
                 one whose beads had been asked for.
         """
         system = self.system
+        if steps > 0 and self._starting:
+            self._begin_sources()
+        self._starting = self._starting and steps <= 0
         while steps > 0:
             now = min(steps, system.until_sample())
             answers = self._ask("run", now)
@@ -248,6 +127,18 @@ class LammpsEngine:
             self._observe(answers)
             system.sample_if_due()
             steps -= now
+
+    def _begin_sources(self) -> None:
+        """Have sources act in the first half of the first step."""
+        if not self._translation.first_half:
+            return
+        try:
+            self._ask("do", list(self._translation.first_half))
+        except RunError as error:
+            if "Invalid" not in str(error):
+                raise
+            message = "a sink takes more than a bead has in the first step, to which LAMMPS sets no limit"
+            raise RunError(f"{message}; the native engine runs it ({error})") from None
 
     def fetch(self) -> dict[str, NDArray[Any]]:
         """Return the beads of all ranks in the order of their ids."""
@@ -267,12 +158,17 @@ class LammpsEngine:
         before = np.zeros_like(raw) if self._raw_images is None else self._raw_images
         crossed = (raw - before + 512) % 1024 - 512  # LAMMPS counts in ten bits
         self._raw_images, self._images = raw, self._images + crossed
-        return {
+        carried = [name for name in ("temperature", "concentrations", "density") if name in parts[0]]
+        beads = {
             "positions": ordered("x"),
             "velocities": ordered("v"),
             "forces": ordered("f"),
             "images": self._images.copy(),
+            **{name: ordered(name) for name in carried},
         }
+        if "density" in beads:
+            beads["density"] /= self._translation.density_mass
+        return beads
 
     def totals(self) -> Totals:
         """Return what was observed at the last observed step; drag holds drag and noise together."""
@@ -280,7 +176,53 @@ class LammpsEngine:
         energy, virial = (x / seen["volume"] for x in self._tail)
         seen["pair_energy"] += energy
         seen["conservative"] = seen["conservative"] - np.eye(3) * (virial / 3.0)
+        if self._scene.heat is not None:
+            supplied, ahead = self._ledger.account
+            seen |= {"internal_energy": self._ledger.internal, "heat_balance": ahead - supplied}
         return Totals(**seen, noise=np.zeros((3, 3)))
+
+    # What beads carry
+
+    @property
+    def transport(self) -> Any:
+        """What became of dissolved species, in its ``tally``; None without them."""
+        return None if self._scene.transport is None else self._ledger
+
+    @property
+    def heat_account(self) -> tuple[float, float]:
+        """As the native engine's."""
+        return self._ledger.account
+
+    @heat_account.setter
+    def heat_account(self, account: tuple[float, float]) -> None:
+        self._ledger.account = account
+
+    def local_densities(self) -> FloatArray:
+        """Return the local densities (N,) at the last evaluation of forces. Raises ValueError without ``mdpd``."""
+        return self.system.local_densities()
+
+    def exchange(self, temperatures: FloatArray | None, concentrations: FloatArray | None) -> None:
+        """Replace what beads carry between two steps; the forces stay those of the last one.
+
+        Args:
+            temperatures: (N,) as k_B T; concentrations: (N, species). None keeps them.
+        """
+        if self._starting:  # nothing depends yet on the forces
+            self.system.replace_carried(temperatures, concentrations if self._translation.carried.dissolved else None)
+            self.initialise()
+            return
+        columns = [("edpd/temp", temperatures)] if temperatures is not None else []
+        if concentrations is not None and self._translation.carried.dissolved:
+            columns += [(f"cc {k + 1}", column) for k, column in enumerate(concentrations.T)]
+        path = self._team.folder / "values"
+        for words, column in columns:
+            rows = "".join(f"{k} {value:.17g}\n" for k, value in enumerate(column.tolist(), 1))
+            path.write_text(f"{len(column)}\n{rows}", encoding="utf-8")
+            lines = [f'variable given atomfile "{path}"', f"set group all {words} v_given", "variable given delete"]
+            self._ask("do", lines)
+            path.unlink()
+        self.system.replace_carried(temperatures, concentrations if self._translation.carried.dissolved else None)
+        self._ledger.replaced(temperatures, concentrations)
 
     def configurational(self) -> tuple[float, float]:
         """Return Σ|∇U|² and Σ∇²U over the mobile beads, internal units, from the native core."""
@@ -308,7 +250,8 @@ class LammpsEngine:
 
     def notes(self) -> list[str]:
         """Return what a user should know about results of this engine."""
-        notes = [DRAG_NOTE] if any(pair.drag > 0.0 for pair in self._scene.pairs) else []
+        notes = [] if self._translation.observed.lumped else [DRAG_NOTE] if _has_drag(self._scene) else []
+        notes += [LUMPED_NOTE] if self._translation.observed.lumped else []
         if self._scene.dynamics.integrator == "hoover":
             notes.append("engine lammps: a run that continues begins with the thermostat of hoover at rest")
         return notes
@@ -328,6 +271,7 @@ class LammpsEngine:
             self._team.close()
 
     def _observe(self, answers: list[Any]) -> None:
+        self._ledger.observe(self._translation.observed, answers, self.system.step)
         seen = self._translation.observed.parts(answers[0])
         for name, value in seen.items():
             if not np.isfinite(value).all():
@@ -338,7 +282,23 @@ class LammpsEngine:
         native, system = self._native.system, self.system
         native.positions, native.velocities = system.positions, system.velocities
         native.step, native.time = system.step, system.time
+        if self._translation.carried.heat:
+            native.bead_temperatures = np.asarray(system.bead_temperatures).tolist()
+        if self._translation.carried.dissolved:
+            native.concentrations = system.concentrations
         self._native.initialise()
+
+
+def _has_drag(scene: Scene) -> bool:
+    return any(pair.drag > 0.0 for pair in scene.pairs)
+
+
+def _check_accelerator(scene: Scene, options: EngineOptions) -> None:
+    """Refuse packages with which LAMMPS loses what beads carry."""
+    carrying = scene.heat is not None or scene.transport is not None or scene.many_body is not None
+    if options.accelerator and carrying:
+        message = "accelerator switches do not go with beads that carry heat, dissolved species or local densities"
+        raise InputError(f"{message}: LAMMPS's packages have none of their styles, and OPENMP loses beads of edpd")
 
 
 def _ranks(options: EngineOptions, job: tuple[int, int] | None) -> int:

@@ -13,7 +13,7 @@ import subprocess
 import sys
 import tempfile
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
@@ -216,7 +216,9 @@ class ProcessTeam:
         code = self._process.poll()
         if code is not None and code < 0:
             return f"{words}: {signal.strsignal(-code)} (signal {-code})"
-        last = next((line.strip() for line in reversed(text.splitlines()) if line.strip(" =")), "it said nothing")
+        if "unsupported PMI version" in text:  # MPICH's library under Open MPI's mpiexec
+            return f"{words}: {mpiexec()} belongs to another MPI than LAMMPS"
+        last = next((line.strip() for line in reversed(text.splitlines()) if line.strip(" =-")), "it said nothing")
         return f"{words}: {last}"
 
 
@@ -295,7 +297,10 @@ def serve_job() -> NoReturn:
     """Serve rank 0 of the MPI job around this process until it ends; then end this process."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)  # rank 0 decides
-    comm = _communicator()
+    try:
+        comm = _communicator()
+    except InputError:  # rank 0 says it
+        sys.exit(1)
     worker: Worker | None = None
     for command in _commands(comm):
         if command[0] == "switches":
@@ -325,10 +330,32 @@ def _answer(worker: Worker, command: tuple[Any, ...], comm: Any) -> Any:
 def _communicator() -> Any:
     preload_mpi()
     try:
-        from mpi4py import MPI  # type: ignore[import-not-found, unused-ignore]
+        import mpi4py
     except ImportError:
         message = (
             "a run inside an MPI job needs mpi4py; pip install 'pydlpoly[lammps]' brings it, or leave mpiexec out "
         )
         raise InputError(f"{message}and give --ranks") from None
+    mpi4py.rc.initialize, mpi4py.rc.finalize = False, True  # MPI aborts where it cannot start, without a word of ours
+    from mpi4py import MPI
+
+    if not MPI.Is_initialized():
+        if complaint := foreign_launcher(os.environ, MPI.Get_library_version()):
+            raise InputError(complaint)
+        MPI.Init_thread()
     return MPI.COMM_WORLD
+
+
+def foreign_launcher(environment: Mapping[str, str], library: str) -> str:
+    """Return in words why ranks of this MPI library cannot find each other in a job, nothing where they can.
+
+    Args:
+        environment: of a process of the job.
+        library: what MPI says of its version; MPICH says how it was configured, too.
+    """
+    pmix = "PMIX_RANK" in environment and "PMI_RANK" not in environment
+    if not (pmix and library.startswith("MPICH") and "pmix" not in library.lower()):
+        return ""
+    name = " ".join(library.split("\n")[0].replace("Version:", "").split())
+    ways = f"{mpiexec()} or srun --mpi=pmi2"
+    return f"{name}, the MPI library of LAMMPS, does not know PMIx, by which this job was started; start it with {ways}"

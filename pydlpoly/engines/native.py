@@ -29,7 +29,7 @@ from pydlpoly.formats.records import FloatArray
 from pydlpoly.scene.explain import PLANS
 from pydlpoly.scene.external import ON_CHARGES
 from pydlpoly.scene.integrators import INTEGRATORS
-from pydlpoly.scene.model import Scene
+from pydlpoly.scene.model import MOST_THREADS, Scene
 
 
 def default_threads() -> int:
@@ -51,6 +51,8 @@ class NativeEngine:
     """
 
     def __init__(self, scene: Scene, *, seed: int, threads: int, cell_width: float = 0.0) -> None:
+        if not 1 <= threads <= MOST_THREADS:
+            raise SceneError(f"the number of threads must lie between 1 and {MOST_THREADS}, not {threads}")
         self.threads, self._scene = threads, scene
         self._tail = long_range_tail(scene)
         beads = scene.beads

@@ -75,7 +75,13 @@ def parse_control(text: str, path: str = "CONTROL", lenient: bool = False, dl_me
         return _parse_new(lines, path, lenient)
     if dl_meso or _has_meso_marker(lines):
         return parse_meso(lines, path, lenient)
-    return parse_old(lines, path, lenient)
+    try:
+        return parse_old(lines, path, lenient)
+    except InputError as error:
+        if not _lacks_title(lines):
+            raise
+        told = "; a file in the new style, which this one seems to be, begins with a line title <text>"
+        raise InputError(error.message + told, path=path, line=error.line, word=error.word) from None
 
 
 def looks_like_dl_meso(text: str) -> bool:
@@ -107,6 +113,12 @@ def _is_new_style(lines: list[str]) -> bool:
         return False
     only_new = any(lookup(word) is not None and not is_directive(word) for word in first_words[1:])
     return only_new or "finish" not in first_words[1:]
+
+
+def _lacks_title(lines: list[str]) -> bool:
+    """Return whether a file that was taken for old has words that are of the new style only, and no ``finish``."""
+    words = [body.split()[0].lower() for body in map(_strip_comment, lines) if body]
+    return "finish" not in words and any("_" in word and lookup(word) is not None for word in words)
 
 
 def _strip_comment(line: str) -> str:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -18,6 +18,7 @@ from pydlpoly.formats.atomic import PathLike, read_text
 from pydlpoly.formats.fortran import parse_real
 from pydlpoly.formats.output import RULE
 from pydlpoly.formats.records import FloatArray, IntArray
+from pydlpoly.formats.species_balance import SpeciesBalance
 
 _BANNER = re.compile(r"^pydlpoly (\S+)\n", re.MULTILINE)
 _RESUMED = re.compile(r"^continues from step (\d+) with pydlpoly \S+$")
@@ -28,6 +29,8 @@ _ESTIMATE = re.compile(
 )
 _SECONDS = re.compile(r"^(?P<name>\S.*?)\s+(?P<seconds>\S+) sec$")
 _LOOP = re.compile(r"^Loop time for all the steps: (\S+) s, time per step: (\S+) s$", re.MULTILINE)
+_MORE = re.compile(r"^(?P<name>.{30})(?P<value>[ \d.E+-]{24})$")
+_BALANCE = "Amounts of dissolved species, all beads together:"
 _SEED = re.compile(r"^seed (\d+), (\d+) threads")
 
 
@@ -41,6 +44,8 @@ class OutputLog:
         explanation: the resolved scene in words, as ``Scene.explain`` wrote it; empty when the file does not reach it.
         seed, threads: None when the file does not reach them.
         steps: (n,) steps of the print-outs; times: (n,) simulated time; elapsed: (n,) wall-clock seconds.
+        printed: (n,) of further quantities by name, as scenes print them whose beads carry heat.
+        species_balance: what became of the amounts of dissolved species, as the end has it.
         ended: whether the end of the run was written: it was not killed and is not running.
         last_step: the step it ended at, None without an end.
         averaged_steps: how many steps the averages at the end cover, 0 without.
@@ -59,6 +64,8 @@ class OutputLog:
     steps: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     times: FloatArray = field(default_factory=lambda: np.zeros(0))
     elapsed: FloatArray = field(default_factory=lambda: np.zeros(0))
+    printed: Mapping[str, FloatArray] = field(default_factory=dict)
+    species_balance: tuple[SpeciesBalance, ...] = ()
     ended: bool = False
     last_step: int | None = None
     averaged_steps: int = 0
@@ -88,10 +95,11 @@ def read_output(path: PathLike) -> OutputLog:
     part = pieces[first:]
     title = next((line[7:] for line in text.split("\n", 8)[:8] if line.startswith("title: ")), "")
     version = part[0].split()[-1] if first else banner[1]
-    prints = np.array([row for piece in part if (row := _print_out(piece)) is not None]).reshape(-1, 3)
+    blocks = [piece for piece in part if _print_out(piece) is not None]
     end = next((place for place, piece in enumerate(part) if _END.match(piece)), None)
     # The averages at the end look like a print-out.
-    prints = prints[:-1] if end is not None and len(part) > end + 2 and _AVERAGED.search(part[end]) else prints
+    blocks = blocks[:-1] if end is not None and len(part) > end + 2 and _AVERAGED.search(part[end]) else blocks
+    prints = np.array([_print_out(piece) for piece in blocks], dtype=np.float64).reshape(-1, 3)
     seed = next((found for piece in part if (found := _SEED.match(piece))), None)
     log = OutputLog(
         version,
@@ -103,6 +111,7 @@ def read_output(path: PathLike) -> OutputLog:
         prints[:, 0].astype(np.int64),
         prints[:, 1],
         prints[:, 2],
+        _printed(blocks),
     )
     return log if end is None else replace(log, **_summary("\n".join(part[end:])))
 
@@ -119,6 +128,29 @@ def _print_out(piece: str) -> tuple[float, float, float] | None:
     return step, time, elapsed
 
 
+def _printed(blocks: Sequence[str]) -> dict[str, FloatArray]:
+    """What print-outs say beside the columns, by name without unit; only what each of them says."""
+    rows = [
+        {found["name"].split("[")[0].strip(): parse_real(found["value"]) for found in map(_MORE.match, lines) if found}
+        for lines in (block.split("\n") for block in blocks)
+    ]
+    names = [name for name in (rows[0] if rows else ()) if all(name in row for row in rows)]
+    return {name: np.array([row[name] for row in rows]) for name in names}
+
+
+def _balance(text: str) -> tuple[SpeciesBalance, ...]:
+    """The table of ``species_balance.balance_text``."""
+    found = []
+    for line in _section(text, _BALANCE)[1:]:
+        name, *words = line.split()
+        start, sources, reactions, held, _, remainder = (parse_real(word) for word in words)
+        # The printed remainder has more digits than what the rounded numbers would leave.
+        found.append(
+            SpeciesBalance(name, start, sources, reactions, held, start + sources + reactions + held + remainder)
+        )
+    return tuple(found)
+
+
 def _summary(text: str) -> dict[str, Any]:
     """What the end of a run holds, by attribute of ``OutputLog``."""
     end, averaged, loop = _END.search(text), _AVERAGED.search(text), _LOOP.search(text)
@@ -131,6 +163,7 @@ def _summary(text: str) -> dict[str, Any]:
         "averaged_steps": int(averaged[1]) if averaged else 0,
         "temperatures": _estimates(text, "Temperatures, with standard errors"),
         "energy_drift": drift.get("drift"),
+        "species_balance": _balance(text),
         "warnings": tuple(line.strip() for line in _section(text, "Warnings of this run:")),
         "timings": {name: seconds for name, seconds in timings.items() if not name.endswith(":")},
         "loop_seconds": parse_real(loop[1]) if loop else None,

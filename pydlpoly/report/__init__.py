@@ -4,7 +4,8 @@
 """
 
 from pydlpoly.report.collect import Run, collect_run
-from pydlpoly.report.judge import Finding, judge_run
+from pydlpoly.report.finding import Finding
+from pydlpoly.report.judge import judge_run
 from pydlpoly.report.page import write_report
 
 __all__ = ["Finding", "Run", "collect_run", "judge_run", "write_report"]

@@ -6,22 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pydlpoly.drawing import BAND, FAINT, HEIGHT, axis_label, legend, line, new_axes, thinned
 from pydlpoly.report.collect import Run
 from pydlpoly.report.evidence import momentum_goes_to, thermal_momentum, with_error
 from pydlpoly.report.series import Average, Series, all_series, pick
-from pydlpoly.report.style import (
-    BAND,
-    FAINT,
-    HEIGHT,
-    Drawing,
-    Table,
-    axis_label,
-    legend,
-    line,
-    new_axes,
-    table_of,
-    thinned,
-)
+from pydlpoly.report.style import Drawing, Table, table_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -116,14 +105,6 @@ def momentum(run: Run) -> Drawing | None:
     )
     head = (axis_label("time", run.units.of("time")), "fraction")
     return Drawing("momentum", "Drift of the momentum", figure, words, table_of(head, [drift.times, values]))
-
-
-def volume(run: Run) -> Drawing | None:
-    """The volume, where it varies."""
-    series = all_series(run).get("volume")
-    if series is None or not np.ptp(series.values) > 1e-6 * abs(float(np.mean(series.values))):
-        return None
-    return one_quantity(run, "volume", "Volume")
 
 
 def one_quantity(run: Run, name: str, title: str = "") -> Drawing | None:

@@ -8,13 +8,14 @@ from typing import Annotated
 import typer
 
 from pydlpoly.bench.plot import save_figure
-from pydlpoly.errors import InputError, suggest
+from pydlpoly.drawing import look
+from pydlpoly.errors import InputError, RunError, suggest
 from pydlpoly.report.against_time import one_quantity
 from pydlpoly.report.collect import collect_run
 from pydlpoly.report.figures import FIGURES, draw
 from pydlpoly.report.page import write_report
 from pydlpoly.report.series import all_series
-from pydlpoly.report.style import check_packages, look
+from pydlpoly.report.style import check_packages
 
 _DOTS_PER_INCH = 200
 _ENDINGS = (".png", ".svg", ".pdf")
@@ -32,7 +33,10 @@ def report_command(
     inputs: Inputs = None,
 ) -> None:
     """Write one HTML file with figures, pictures and warnings from the output files of a run, also a partial one."""
-    path, findings = write_report(folder, output, inputs=inputs)
+    try:
+        path, findings = write_report(folder, output, inputs=inputs)
+    except RunError as error:  # no simulation has stopped: the page cannot be written
+        raise InputError(str(error)) from error
     for finding in findings:
         if finding.level == "warning":
             advice = f"; {finding.advice}" if finding.advice else ""

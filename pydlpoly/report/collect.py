@@ -10,33 +10,29 @@ from typing import Any, TypeVar
 from numpy.typing import NDArray
 
 from pydlpoly.errors import InputError, PydlpolyError
+from pydlpoly.formats.beads_file import read_beads
+from pydlpoly.formats.binned_table import BinnedTable, read_binned
+from pydlpoly.formats.cor import CorrelationTable, read_cor
 from pydlpoly.formats.diagnostics import read_diagnostics
-from pydlpoly.formats.history_sample import HistorySample, sample_history
+from pydlpoly.formats.history_sample import HistorySample
 from pydlpoly.formats.output_reader import OutputLog, read_output
 from pydlpoly.formats.rdfdat import RdfTable, read_rdf
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.formats.species_balance import SpeciesBalance
 from pydlpoly.formats.statis import StatisticsTable, read_statistics
 from pydlpoly.formats.strprf import ProfileTable, read_profile
 from pydlpoly.formats.vafdat import VelocityCorrelation, read_correlations
 from pydlpoly.formats.zdndat import DensityTable, read_density
-from pydlpoly.report.snapshots import Snapshot, States, of_configuration_file, of_frame, of_scene
+from pydlpoly.report.frames import find_trajectory
+from pydlpoly.report.problem import Problem, problem_of
+from pydlpoly.report.snapshots import Snapshot, States, of_configuration_file, of_frame, of_scene, with_beads
 from pydlpoly.scene import Scene, load
 from pydlpoly.scene.model import OutputPlan
 from pydlpoly.temperatures import TemperatureSamples
 from pydlpoly.units import BOLTZMANN
 
-_FRAMES = 20  # of HISTORY that are looked at
-_BEADS_OF_FRAMES = 2_000_000  # in all of them: what fits into some hundred megabytes
 _INPUTS = ("CONTROL", "FIELD", "CONFIG")
 _Read = TypeVar("_Read")
-
-
-@dataclass(frozen=True)
-class Problem:
-    """A file that is there, and why it could not be used, or not to its end."""
-
-    file: str
-    text: str
 
 
 @dataclass(frozen=True)
@@ -81,8 +77,12 @@ class Run:
         problems: those that could not be read.
         scene: what was modelled; ``scene_source``: the file it is from.
         start, last: the configurations that pictures are drawn of.
+        carried: the newest configuration whose file says what beads carry.
         momentum: (3,) of the newest checkpoint.
-        history: frames of the trajectory, spread over it.
+        history: frames of the trajectory, spread over it; ``history_file``: the file they are from.
+        bead_profile, bead_map, correlations: of PROFILE, MAP and COR; ``…_file``: their names.
+        balance: what became of the amounts of dissolved species; ``balance_file``: the file that says so.
+        callbacks: names of functions that acted on the run.
     """
 
     folder: Path
@@ -98,6 +98,17 @@ class Run:
     profile: ProfileTable | None = None
     velocities: tuple[VelocityCorrelation, ...] = ()
     history: HistorySample | None = None
+    history_file: str = ""
+    bead_profile: BinnedTable | None = None
+    profile_file: str = ""
+    bead_map: BinnedTable | None = None
+    map_file: str = ""
+    correlations: CorrelationTable | None = None
+    correlations_file: str = ""
+    balance: tuple[SpeciesBalance, ...] = ()
+    balance_file: str = ""
+    callbacks: tuple[str, ...] = ()
+    carried: Snapshot | None = None
     start: Snapshot | None = None
     last: Snapshot | None = None
     momentum: FloatArray | None = None
@@ -191,12 +202,14 @@ def collect_run(folder: str | Path, inputs: str | Path | None = None) -> Run:
         inputs: where CONTROL, FIELD and CONFIG are, when they are elsewhere.
 
     Raises:
-        InputError: there is no such folder.
+        InputError: there is no such folder, or none of the inputs.
     """
     place = Path(folder)
     if not place.is_dir():
         found = "it is a file" if place.exists() else "there is no such folder"
         raise InputError(f"{found}; expected the folder with the output files of a run", path=str(place))
+    if inputs is not None and not Path(inputs).is_dir():
+        raise InputError("there is no such folder; expected the one with CONTROL, FIELD and CONFIG", path=str(inputs))
     return _Reader(place, Path(inputs) if inputs is not None else place).run()
 
 
@@ -219,15 +232,20 @@ class _Reader:
         statistics = self._read(plan.statistics_file, lambda path: _statistics(path, names))
         for warning in statistics.warnings if statistics is not None else ():
             self._problems.append(Problem(plan.statistics_file, warning))
-        beads = scene.bead_count if scene is not None else 0
-        frames = max(2, min(_FRAMES, _BEADS_OF_FRAMES // max(beads, 1)))
-        history = self._read(plan.trajectory_file, lambda path: sample_history(path, frames))
-        start, last = self._snapshots(states, scene, plan, history)
+        history_file, history, problems = find_trajectory(self._folder, plan)
+        if history_file:
+            self._files[history_file] = self._folder / history_file
+        self._problems += problems
+        first, newest = self._snapshots(states, scene, plan, history, history_file)
+        log = self._read(plan.output_file if plan.output_file != "SCREEN" else None, read_output)
+        balance, balance_file = (log.species_balance, plan.output_file or "") if log is not None else ((), "")
+        if not balance and states is not None:
+            balance, balance_file = states.balance, states.file
         return Run(
             folder=self._folder,
             scene=scene,
             scene_source=source,
-            log=self._read(plan.output_file if plan.output_file != "SCREEN" else None, read_output),
+            log=log,
             statistics=statistics,
             diagnostics=self._read(plan.diagnostics_file, read_diagnostics),
             rdf=self._read(plan.rdf_file, read_rdf),
@@ -239,8 +257,19 @@ class _Reader:
                 if not path.name.endswith(".bak") and (found := self._read(path.name, read_correlations))
             ),
             history=history,
-            start=start,
-            last=last,
+            history_file=history_file,
+            bead_profile=self._read(plan.bead_profile.file, _profile_of_beads),
+            profile_file=plan.bead_profile.file or "",
+            bead_map=self._read(plan.bead_map.file, _map_of_beads),
+            map_file=plan.bead_map.file or "",
+            correlations=self._read(plan.correlations.file, read_cor),
+            correlations_file=plan.correlations.file or "",
+            balance=balance,
+            balance_file=balance_file,
+            callbacks=states.callbacks if states is not None else (),
+            carried=_newest([one for one in (*newest, *first) if one.values]),
+            start=first[0] if first else None,
+            last=_newest(newest),
             momentum=states.momentum if states is not None else None,
             files=self._files,
             problems=tuple(self._problems),
@@ -254,8 +283,7 @@ class _Reader:
         try:
             return reader(self._folder / name)
         except (PydlpolyError, OSError, ValueError) as error:
-            text = str(error).removeprefix(f"{self._folder / name}: ").removeprefix(f"{self._folder / name}:")
-            self._problems.append(Problem(name, f"cannot be read: {text}"))
+            self._problems.append(problem_of(self._folder / name, error))
             return None
 
     def _scene(self, states: States | None) -> tuple[Scene | None, str]:
@@ -274,24 +302,47 @@ class _Reader:
             return None, ""
 
     def _snapshots(
-        self, states: States | None, scene: Scene | None, plan: OutputPlan, history: HistorySample | None
-    ) -> tuple[Snapshot | None, Snapshot | None]:
-        """The first and the newest configuration there are."""
+        self,
+        states: States | None,
+        scene: Scene | None,
+        plan: OutputPlan,
+        history: HistorySample | None,
+        history_file: str,
+    ) -> tuple[list[Snapshot], list[Snapshot]]:
+        """Configurations that may be the first one, the best first, and those that may be the newest one."""
         first = [states.start] if states is not None else []
         newest = [states.last] if states is not None else []
         if not first and scene is not None:
             first.append(of_scene(scene))
         if not newest:
             found = self._read(plan.configuration_file, of_configuration_file)
-            newest += [found] if found is not None else []
+            beads = self._read(plan.beads_file, read_beads)
+            newest += [with_beads(found, beads)] if found is not None else []
         elif plan.configuration_file is not None and (self._folder / plan.configuration_file).is_file():
             self._files[plan.configuration_file] = self._folder / plan.configuration_file
-        if history is not None and history.frames and plan.trajectory_file is not None:
-            first.append(of_frame(history.frames[0], plan.trajectory_file))
-            newest.append(of_frame(history.frames[-1], plan.trajectory_file))
-        start = first[0] if first else None
-        last = max(newest, key=lambda one: one.step if one.step is not None else -1, default=None)
-        return start, last
+        if history is not None and history.frames:
+            first.append(of_frame(history.frames[0], history_file))
+            newest.append(of_frame(history.frames[-1], history_file))
+        return first, newest
+
+
+def _newest(snapshots: Sequence[Snapshot]) -> Snapshot | None:
+    return max(snapshots, key=lambda one: one.step if one.step is not None else -1, default=None)
+
+
+def _profile_of_beads(path: Path) -> BinnedTable:
+    return _of_axes(path, 1)
+
+
+def _map_of_beads(path: Path) -> BinnedTable:
+    return _of_axes(path, 2)
+
+
+def _of_axes(path: Path, axes: int) -> BinnedTable:
+    table = read_binned(path)
+    if len(table.axes) != axes:
+        raise InputError(f"expected averages along {axes} axes, found {len(table.axes)}", path=str(path))
+    return table
 
 
 def _statistics(path: Path, species: Sequence[str] | None) -> StatisticsTable:

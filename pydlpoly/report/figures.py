@@ -3,26 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
-from pydlpoly.report.against_time import energy, energy_terms, momentum, pressure, temperature, volume
+from pydlpoly.analysis.profile_plot import GROUPS
+from pydlpoly.drawing import look
+from pydlpoly.report import binned, carried, cell, coloured, correlated
+from pydlpoly.report.against_time import energy, energy_terms, momentum, pressure, temperature
 from pydlpoly.report.collect import Run
 from pydlpoly.report.picture import last_frame, start_frame
 from pydlpoly.report.speed import speed, time_spent
 from pydlpoly.report.structure import density, displacement, distribution, stress_profile, velocity
-from pydlpoly.report.style import Drawing, look
+from pydlpoly.report.style import Drawing
 
 FIGURES: dict[str, Callable[[Run], Drawing | None]] = {
     "last": last_frame,
     "start": start_frame,
+    "last-temperature": coloured.by_temperature,
+    "last-concentration": coloured.by_concentration,
     "temperature": temperature,
     "pressure": pressure,
     "energy": energy,
     "energy-terms": energy_terms,
+    "internal-temperature": carried.internal_temperature,
+    "conserved": carried.conserved,
+    "species": carried.species,
     "momentum": momentum,
-    "volume": volume,
+    "volume": cell.volume,
+    "cell": cell.cell,
     "rdf": distribution,
     "density": density,
+    **{f"profile-{group}": partial(binned.profile, group=group) for group in GROUPS},
+    **{f"map-{group}": partial(binned.averages_in_plane, group=group) for group in GROUPS},
     "stress-profile": stress_profile,
+    "stress-relaxation": correlated.relaxation,
+    "viscosity": correlated.viscosity,
+    "correlations": correlated.others,
     "msd": displacement,
     "vaf": velocity,
     "speed": speed,

@@ -9,13 +9,12 @@ from __future__ import annotations
 import math
 import shlex
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
-from pydlpoly.formats.blocks import block_means, three_of
+from pydlpoly.formats.blocks import block_means
 from pydlpoly.report.collect import Run
+from pydlpoly.report.drift import drift_of
 from pydlpoly.report.evidence import (
     Evidence,
     independent_samples,
@@ -25,36 +24,17 @@ from pydlpoly.report.evidence import (
     thermal_momentum,
     with_error,
 )
+from pydlpoly.report.finding import Finding, unknown
+from pydlpoly.report.judge_carried import conserved_energy, species_balance
 from pydlpoly.report.series import LEAST_SAMPLES, Average, change_and_chance, trend_and_chance
 from pydlpoly.temperatures import TOLERATED, change_over
-from pydlpoly.tradeoff.statistics import slope_and_error
-
-Level = Literal["warning", "note", "fine", "unknown"]
 
 KINETIC = 0.01
 PRESSURE_ERROR, PRESSURE_CHANGE = 0.05, 0.02
 MOMENTUM = 1e-3
-ENERGY = 0.01
 REPORTERS, LEAST_SECONDS = 0.25, 10.0
 LEAST_INDEPENDENT = 4.0
 EQUILIBRATION = 0.05
-
-
-@dataclass(frozen=True)
-class Finding:
-    """What one check found.
-
-    Attributes:
-        level: "warning" (the results may be wrong or incomplete), "note", "fine", or "unknown" (could not be judged).
-        subject: two or three words.
-        text: one sentence with numbers.
-        advice: what to do about it, with commands in backticks; empty when there is nothing to do.
-    """
-
-    level: Level
-    subject: str
-    text: str
-    advice: str = ""
 
 
 def judge_run(run: Run) -> list[Finding]:
@@ -75,7 +55,7 @@ def anything_there(evidence: Evidence) -> list[Finding]:
             advice = "name the folder that `pydlpoly run` wrote into (its `--output`)"
         return [Finding("warning", "Nothing was run", text, advice)]
     if run.statistics is None and not any(problem.file == "STATIS" for problem in run.problems):
-        return [_unknown("Statistics", "there is no STATIS: no averages of pressure and energies", "`stats_frequency`")]
+        return [unknown("Statistics", "there is no STATIS: no averages of pressure and energies", "`stats_frequency`")]
     if run.statistics is not None and not len(run.statistics):
         return [Finding("warning", "Statistics", "STATIS holds no record: the run was killed at its start")]
     return []
@@ -103,7 +83,7 @@ def whole_run(evidence: Evidence) -> list[Finding]:
     if asked == 0 or done == 0:
         return [Finding("warning", "No steps", "the run took no step: there is nothing to average", "set `time_run`")]
     if done is None or asked is None:
-        return [_unknown("Length of the run", "the files do not say how many steps were asked for")]
+        return [unknown("Length of the run", "the files do not say how many steps were asked for")]
     return [Finding("fine", "Length of the run", f"all {asked} steps were taken")]
 
 
@@ -116,9 +96,9 @@ def kinetic_temperature(evidence: Evidence) -> list[Finding]:
     """
     target, average = evidence.run.target_temperature, evidence.kinetic()
     if target is None:
-        return [_unknown("Kinetic temperature", "there is no thermostat with a fixed temperature to compare with")]
+        return [unknown("Kinetic temperature", "there is no thermostat with a fixed temperature to compare with")]
     if average is None:
-        return [_unknown("Kinetic temperature", "there are no samples after the equilibration")]
+        return [unknown("Kinetic temperature", "there are no samples after the equilibration")]
     off = average.value / target - 1.0
     numbers = f"{_mean(evidence, average, 'temperature')}, thermostat {evidence.number(target, 'temperature')}"
     chance = min(average.chance, largest_fluctuation(evidence.run))
@@ -140,9 +120,9 @@ def configurational_temperature(evidence: Evidence) -> list[Finding]:
     if reference is None and kinetic is not None:
         reference, name = kinetic.value, "the kinetic one"
     if average is None:
-        return [_unknown("Configurational temperature", "it was not recorded", "`diagnostics_frequency`")]
+        return [unknown("Configurational temperature", "it was not recorded", "`diagnostics_frequency`")]
     if reference is None or not reference > 0.0 or not math.isfinite(average.chance):
-        return [_unknown("Configurational temperature", "there are too few samples after the equilibration")]
+        return [unknown("Configurational temperature", "there are too few samples after the equilibration")]
     off = average.value / reference - 1.0
     numbers = f"{_mean(evidence, average, 'temperature')}, {name} {evidence.number(reference, 'temperature')}"
     chance = average.chance
@@ -190,19 +170,19 @@ def momentum(evidence: Evidence) -> list[Finding]:
     """
     run, scene = evidence.run, evidence.run.scene
     if scene is None:
-        return [_unknown("Momentum", "without CONTROL and FIELD it is not known whether it is conserved")]
+        return [unknown("Momentum", "without CONTROL and FIELD it is not known whether it is conserved")]
     if (taken := momentum_goes_to(run)) is not None:
-        return [_unknown("Momentum", f"it is not conserved here: {taken}")]
+        return [unknown("Momentum", f"it is not conserved here: {taken}")]
     drift = evidence.series.get("momentum_drift")
     thermal = thermal_momentum(run)
     if not thermal > 0.0:
-        return [_unknown("Momentum", "at temperature 0 there is nothing to compare with")]
+        return [unknown("Momentum", "at temperature 0 there is nothing to compare with")]
     if drift is not None and np.isfinite(drift.values).any():
         largest = float(np.nanmax(drift.values)) / thermal
     elif run.momentum is not None and scene.run.start == "clean":
         largest = float(np.linalg.norm(run.momentum)) / thermal
     else:
-        return [_unknown("Momentum", "it was not recorded", "`diagnostics_frequency`")]
+        return [unknown("Momentum", "it was not recorded", "`diagnostics_frequency`")]
     if largest > MOMENTUM or not math.isfinite(largest):
         text = f"the total momentum has drifted to {largest:.2g} of its thermal size √(3 M k_B T)"
         return [
@@ -216,24 +196,11 @@ def energy_drift(evidence: Evidence) -> list[Finding]:
 
     1 % of k_B T is a change of the temperature by at most as much: where it all went into motion, 2/3 of a per cent.
     """
-    scene, series = evidence.run.scene, evidence.series.get("extended_energy")
-    if scene is None or scene.dynamics.integrator != "nve" or series is None or not evidence.run.beads:
+    scene = evidence.run.scene
+    if scene is None or scene.dynamics.integrator != "nve" or scene.heat is not None:
         return []
-    times, values = series.times[series.counted], series.values[series.counted]
-    if len(times) < LEAST_SAMPLES:
-        return [_unknown("Energy drift", "there are too few samples after the equilibration")]
-    slope, error, freedom = slope_and_error(times, values)
-    chance = three_of(int(freedom)) * error
-    kinetic = evidence.kinetic()
-    temperature = kinetic.value if kinetic is not None else 0.0
-    thermal = temperature * scene.units.boltzmann / scene.units.factor
-    span = float(times[-1] - times[0])
-    change = slope * span / thermal if thermal > 0.0 else math.inf
-    text = f"the total energy changes by {change:.2g} k_B T per bead over {evidence.number(span, 'time')}"
-    if abs(change) > ENERGY and abs(slope) > chance:
-        advice = "a shorter `timestep`, or laws that end smoothly (`vdw_force_shift`)"
-        return [Finding("warning", "Energy drift", text, f"{advice}; `pydlpoly tradeoff {evidence.folder}`")]
-    return [Finding("fine", "Energy drift", text)]
+    advice = "a shorter `timestep`, or laws that end smoothly (`vdw_force_shift`)"
+    return drift_of(evidence, "extended_energy", "Energy drift", "the total energy", advice)
 
 
 def pressure(evidence: Evidence) -> list[Finding]:
@@ -244,7 +211,7 @@ def pressure(evidence: Evidence) -> list[Finding]:
     """
     series, average = evidence.series.get("pressure"), evidence.average("pressure")
     if series is None or average is None or not average.known:
-        return [_unknown("Pressure", "there are too few samples after the equilibration")]
+        return [unknown("Pressure", "there are too few samples after the equilibration")]
     size = max(abs(average.value), kinetic_pressure(evidence))
     mean = _mean(evidence, average, "pressure")
     change, chance = change_and_chance(series)
@@ -299,7 +266,7 @@ def files(evidence: Evidence) -> list[Finding]:
     run = evidence.run
     found = [Finding("warning", f"File {problem.file}", problem.text) for problem in run.problems]
     if run.history is not None and run.history.cut:
-        found.append(Finding("warning", "File HISTORY", f"{run.history.cut}; the whole frames are used"))
+        found.append(Finding("warning", f"File {run.history_file}", f"{run.history.cut}; the whole frames are used"))
     return found
 
 
@@ -343,6 +310,8 @@ CHECKS: tuple[Callable[[Evidence], list[Finding]], ...] = (
     configurational_temperature,
     equilibrated,
     energy_drift,
+    conserved_energy,
+    species_balance,
     momentum,
     pressure,
     enough_samples,
@@ -376,10 +345,6 @@ def _cause(evidence: Evidence, name: str, off: float) -> tuple[str, str]:
 def _shorter(run: Run) -> str:
     folder = shlex.quote(str(run.folder))
     return f"`pydlpoly tradeoff {folder}` finds integrator and timestep that are accurate enough"
-
-
-def _unknown(subject: str, text: str, keyword: str = "") -> Finding:
-    return Finding("unknown", subject, text, f"{keyword} in CONTROL switches it on" if keyword else "")
 
 
 def _percent(off: float) -> str:

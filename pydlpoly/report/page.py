@@ -13,18 +13,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pydlpoly import __version__
+from pydlpoly.drawing import axis_label
 from pydlpoly.formats.atomic import replace_file
 from pydlpoly.report.collect import Run, collect_run
 from pydlpoly.report.evidence import Evidence, with_error
 from pydlpoly.report.figures import FIGURES, draw
-from pydlpoly.report.judge import Finding, judge_run
+from pydlpoly.report.finding import Finding
+from pydlpoly.report.judge import judge_run
 from pydlpoly.report.speed import steps_a_second
-from pydlpoly.report.style import Drawing, Table, axis_label, check_packages, svg
+from pydlpoly.report.style import Drawing, Table, check_packages, svg
 
 if TYPE_CHECKING:
     from markupsafe import Markup
 
-_PICTURES = ("last", "start")
+_PICTURES = ("last", "start", "last-temperature", "last-concentration")
 _SPEED = ("speed", "time")
 _OPEN = ("Scene", "System", "Integrator and thermostat", "Pair table")  # parts of the explanation that are unfolded
 _AVERAGES = (

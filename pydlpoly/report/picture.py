@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pydlpoly.drawing import WIDTH, columns_of
 from pydlpoly.formats.records import FloatArray, IntArray
 from pydlpoly.report.collect import Run
 from pydlpoly.report.snapshots import Snapshot
-from pydlpoly.report.style import WIDTH, Drawing, columns_of
+from pydlpoly.report.style import Drawing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,14 +21,14 @@ MOST_BEADS = 50_000
 _TURN, _TILT = np.radians(28.0), np.radians(14.0)
 _PALEST = 0.6  # how far the colour of the farthest beads goes towards white
 _HANDLE = 8  # letters that a disc of the legend is wide, with the room about it
-_DISC = 0.46  # radius in units of the mean distance of beads, (V/N)^(1/3)
+DISC = 0.46  # radius in units of the mean distance of beads, (V/N)^(1/3)
 # Colour of a bead and of the mark on it: told apart by lightness, and by the mark where colours cannot be seen.
 _COLOURS = ("#0072B2", "#F0C45A", "#D55E00", "#7FD1B0", "#5A3A72", "#BFC7CE", "#8A1F3D", "#EFB6D0")
 _MARKS = ("", "dot", "ring", "dot", "", "ring", "dot", "ring")
 
 
 @dataclass(frozen=True, eq=False)
-class _View:
+class View:
     """Beads as the viewer sees them, the farthest first: (n,) species, (n, 2) places, (n,) nearness from 0 to 1."""
 
     kinds: IntArray
@@ -78,14 +79,14 @@ def _drawing(run: Run, snapshot: Snapshot, name: str, title: str) -> Drawing | N
     if hidden is not None and hidden in snapshot.species:
         shown &= snapshot.kinds != snapshot.species.index(hidden)
     places = wrapped(snapshot)
-    view = _view(places[shown], snapshot.kinds[shown])
+    view = view_of(places[shown], snapshot.kinds[shown])
     drawn = len(view.kinds)
-    corners = _corners(snapshot, places[finite])
+    corners = corners_of(snapshot, places[finite])
     present = [k for k in range(len(snapshot.species)) if np.any(view.kinds == k)]
     names = [snapshot.species[k] for k in present]
     columns = columns_of(names, _HANDLE)
     figure, axes = _figure(corners, 0.12 + 0.23 * -(-len(names) // columns))
-    _paint(axes, snapshot, view, corners, _spacing(snapshot, places[finite]))
+    _paint(axes, snapshot, view, corners, spacing_of(snapshot, places[finite]))
     _legend(axes, names, present, columns)
     amounts = ", ".join(f"{int(np.sum(snapshot.kinds == k))} {name}" for k, name in enumerate(snapshot.species))
     words = [f"{len(snapshot.kinds)} beads: {amounts}; from {snapshot.file}. The lines are the cell's edges."]
@@ -116,17 +117,18 @@ def _axes_of_view() -> tuple[FloatArray, FloatArray, FloatArray]:
     return right, np.cross(towards, right), towards
 
 
-def _view(places: FloatArray, kinds: IntArray) -> _View:
+def view_of(places: FloatArray, kinds: IntArray) -> View:
+    """Return (n, 3) beads as the viewer sees them, at most ``MOST_BEADS``, the nearest ones."""
     right, up, towards = _axes_of_view()
     depth = places @ towards
     order = np.argsort(depth, kind="stable")[-MOST_BEADS:]
     flat = np.stack([places @ right, places @ up], axis=1)[order]
     span = float(np.ptp(depth[order])) if len(order) else 0.0
     near = (depth[order] - depth[order].min()) / span if span > 0.0 else np.ones(len(order))
-    return _View(kinds[order], flat, near)
+    return View(kinds[order], flat, near)
 
 
-def _corners(snapshot: Snapshot, places: FloatArray) -> FloatArray:
+def corners_of(snapshot: Snapshot, places: FloatArray) -> FloatArray:
     """The cell's corners, (8, 3): corner number abc in binary; those around all beads where there is no cell."""
     if abs(np.linalg.det(snapshot.cell)) > 0.0:
         factors = np.array([[k >> 2 & 1, k >> 1 & 1, k & 1] for k in range(8)]) - 0.5
@@ -136,31 +138,54 @@ def _corners(snapshot: Snapshot, places: FloatArray) -> FloatArray:
     return np.asarray(low + factors * (high - low))
 
 
-def _spacing(snapshot: Snapshot, places: FloatArray) -> float:
+def spacing_of(snapshot: Snapshot, places: FloatArray) -> float:
+    """Return the mean distance of beads, (V/N)^(1/3)."""
     volume = abs(float(np.linalg.det(snapshot.cell))) or float(np.prod(np.ptp(places, axis=0) + 1e-9))
     return float(max(volume / len(snapshot.kinds), 1e-30) ** (1.0 / 3.0))
+
+
+def height_of(corners: FloatArray) -> float:
+    """Return how many inches high a cell is in a picture of our width."""
+    right, up, _ = _axes_of_view()
+    wide, high = float(np.ptp(corners @ right)), float(np.ptp(corners @ up))
+    return WIDTH * min(max(high / max(wide, 1e-30), 0.4), 1.6)
 
 
 def _figure(corners: FloatArray, below: float) -> tuple[Figure, Axes]:
     """A figure in the shape of the cell as it is seen, with so many inches below for the legend."""
     from matplotlib.figure import Figure
 
-    right, up, _ = _axes_of_view()
-    wide, high = float(np.ptp(corners @ right)), float(np.ptp(corners @ up))
-    above = WIDTH * min(max(high / max(wide, 1e-30), 0.4), 1.6)
+    above = height_of(corners)
     figure = Figure(figsize=(WIDTH, above + below))
     return figure, figure.add_axes((0.01, below / (above + below), 0.98, 0.99 * above / (above + below)))
 
 
-def _paint(axes: Axes, snapshot: Snapshot, view: _View, corners: FloatArray, spacing: float) -> None:
-    from matplotlib.collections import EllipseCollection, LineCollection
+def _paint(axes: Axes, snapshot: Snapshot, view: View, corners: FloatArray, spacing: float) -> None:
+    """Beads in the colours and with the marks of their species."""
     from matplotlib.colors import to_rgb
+
+    paint_cell(axes, view, corners, spacing)
+    if not len(view.places):
+        return
+    base = np.array([to_rgb(_COLOURS[k % len(_COLOURS)]) for k in range(len(snapshot.species))])
+    pale = (_PALEST * (1.0 - view.near))[:, None]
+    faces = base[view.kinds] * (1.0 - pale) + pale
+    rims = 0.55 * base[view.kinds] * (1.0 - pale) + 0.85 * pale
+    widths, colours, lines = _with_marks(view.kinds, faces, rims, 2.0 * DISC * spacing)
+    offsets = np.repeat(view.places, 2, axis=0)
+    keep = widths > 0.0
+    paint_discs(axes, offsets[keep], widths[keep], colours[keep], lines[keep], len(view.kinds))
+
+
+def paint_cell(axes: Axes, view: View, corners: FloatArray, spacing: float) -> None:
+    """Draw the cell's edges, those behind the beads dashed, and have the axes hold cell and beads."""
+    from matplotlib.collections import LineCollection
 
     right, up, towards = _axes_of_view()
     flat = np.stack([corners @ right, corners @ up], axis=1)
     axes.set_aspect("equal")
     axes.axis("off")
-    margin = _DISC * spacing
+    margin = DISC * spacing
     low, high = flat.min(axis=0), flat.max(axis=0)
     if len(view.places):
         low, high = np.minimum(low, view.places.min(axis=0)), np.maximum(high, view.places.max(axis=0))
@@ -171,30 +196,29 @@ def _paint(axes: Axes, snapshot: Snapshot, view: _View, corners: FloatArray, spa
     behind = [flat[[a, b]] for a, b in edges if farthest in (a, b)]
     before = [flat[[a, b]] for a, b in edges if farthest not in (a, b)]
     axes.add_collection(LineCollection(behind, colors="#667380", linewidths=0.8, linestyles="dashed", zorder=1))
-    if len(view.places):
-        base = np.array([to_rgb(_COLOURS[k % len(_COLOURS)]) for k in range(len(snapshot.species))])
-        pale = (_PALEST * (1.0 - view.near))[:, None]
-        faces = base[view.kinds] * (1.0 - pale) + pale
-        rims = 0.55 * base[view.kinds] * (1.0 - pale) + 0.85 * pale
-        widths, colours, lines = _with_marks(view.kinds, faces, rims, 2.0 * _DISC * spacing)
-        offsets = np.repeat(view.places, 2, axis=0)
-        keep = widths > 0.0
-        thin = 0.5 if len(view.kinds) < 8000 else 0.25
-        discs = EllipseCollection(
-            widths[keep],
-            widths[keep],
-            np.zeros(int(keep.sum())),
-            units="xy",
-            facecolors=colours[keep],
-            edgecolors=lines[keep],
-            linewidths=thin,
-            offsets=offsets[keep],
-            offset_transform=axes.transData,
-            zorder=2,
-        )
-        discs.set_rasterized(True)
-        axes.add_collection(discs)
     axes.add_collection(LineCollection(before, colors="#1d2731", linewidths=0.9, zorder=3))
+
+
+def paint_discs(
+    axes: Axes, places: FloatArray, widths: FloatArray, faces: FloatArray, rims: FloatArray, beads: int
+) -> None:
+    """Draw discs at (n, 2) places, one over the other in their order, as one picture of pixels."""
+    from matplotlib.collections import EllipseCollection
+
+    discs = EllipseCollection(
+        widths,
+        widths,
+        np.zeros(len(widths)),
+        units="xy",
+        facecolors=faces,
+        edgecolors=rims,
+        linewidths=0.5 if beads < 8000 else 0.25,
+        offsets=places,
+        offset_transform=axes.transData,
+        zorder=2,
+    )
+    discs.set_rasterized(True)
+    axes.add_collection(discs)
 
 
 def _with_marks(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pydlpoly.errors import InputError, suggest
 from pydlpoly.formats.blocks import beyond_chance, block_means, line_through, standard_error, three_of
-from pydlpoly.formats.diagnostics import COLUMNS
+from pydlpoly.formats.diagnostics import COLUMNS, HEAT_COLUMNS
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.formats.statis import STATISTICS_NAMES
 from pydlpoly.report.collect import Run, Units
@@ -98,7 +98,10 @@ class Series:
 
 
 def all_series(run: Run) -> dict[str, Series]:
-    """Return every quantity of STATIS and DIAGNOSTICS by name; energies are per bead where their number is known."""
+    """Return every quantity of STATIS and DIAGNOSTICS by name, and what OUTPUT alone has.
+
+    Energies are per bead where the number of beads is known.
+    """
     found: dict[str, Series] = {}
     table, units, after = run.statistics, run.units, run.equilibration
     if table is not None and len(table):
@@ -110,8 +113,7 @@ def all_series(run: Run) -> dict[str, Series]:
                 values, per = values / run.beads, " per bead"
             counted = table.step > after
             found[name] = Series(name, label.lower() + per, kind, units.of(kind), table.time, values, counted)
-    found |= _of_diagnostics(run, units)
-    return found
+    return found | _of_output(run, units) | _of_diagnostics(run, units)
 
 
 def pick(run: Run, name: str) -> Series:
@@ -122,16 +124,32 @@ def pick(run: Run, name: str) -> Series:
     return known[name]
 
 
+def _of_output(run: Run, units: Units) -> dict[str, Series]:
+    """What print-outs say of heat, for runs without DIAGNOSTICS."""
+    log = run.log
+    if log is None or not len(log.steps):
+        return {}
+    found = {}
+    for words, values in log.printed.items():
+        kind = "temperature" if "temperature" in words else "energy"
+        per_bead = kind == "energy" and bool(run.beads)
+        name, label = words.replace(" ", "_"), words + (" per bead" if per_bead else "")
+        scaled = values / run.beads if per_bead and run.beads else values
+        counted = log.steps > run.equilibration
+        found[name] = Series(name, label, kind, units.of(kind), log.times, scaled, counted)
+    return found
+
+
 def _of_diagnostics(run: Run, units: Units) -> dict[str, Series]:
     columns = run.diagnostics
     if columns is None or not {"step", "time"} <= columns.keys() or not len(columns["step"]):
         return {}
     counted = columns["step"] > run.equilibration
-    kinds = {column.name: column.kind for column in COLUMNS}
+    kinds = {column.name: column.kind for column in (*COLUMNS, *HEAT_COLUMNS)}
     found = {
         name: Series(
             name,
-            name.replace("_", " "),
+            name.replace("_", " ") + (" per bead" if kinds.get(name) == "energy" else ""),
             kinds.get(name, ""),
             units.of(kinds.get(name, "")),
             columns["time"],

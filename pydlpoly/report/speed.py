@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from pydlpoly.drawing import axis_label, line, new_axes
 from pydlpoly.report.collect import Run
-from pydlpoly.report.style import Drawing, Table, axis_label, line, new_axes, table_of
+from pydlpoly.report.style import Drawing, Table, table_of
 
 _BAR, _EDGE = "#56B4E9", "#0b3c5d"
 

@@ -8,11 +8,13 @@ import numpy as np
 
 from pydlpoly.analysis import DensityProfile, RadialDistribution, analyse
 from pydlpoly.analysis.frames import widths
+from pydlpoly.drawing import HEIGHT, STYLES, axis_label, banded, legend, new_axes
 from pydlpoly.errors import InputError
+from pydlpoly.formats.frame import Frame
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.report.collect import Run
 from pydlpoly.report.series import all_series
-from pydlpoly.report.style import HEIGHT, STYLES, Drawing, axis_label, legend, line, new_axes, table_of
+from pydlpoly.report.style import Drawing, table_of
 
 _IN_ONE = STYLES  # curves in one axes
 _MOST_CURVES = 12
@@ -44,8 +46,10 @@ def density(run: Run) -> Drawing | None:
     elif run.profile is not None and run.profile.densities:
         curves = [(name, run.profile.heights, values) for name, values in run.profile.densities.items()]
         source, axis = "STRPRF", run.profile.axis
-    else:
+    elif run.bead_profile is None or "number_density" not in run.bead_profile.values:  # a figure of its own
         curves, source = _density_of_frames(run)
+    else:
+        return None
     if not curves:
         return None
     told = [f"{name} {values.min():.3g} to {values.max():.3g}" for name, _, values in curves[:_MOST_CURVES]]
@@ -74,16 +78,17 @@ def displacement(run: Run) -> Drawing | None:
     """Mean-square displacements since the start: of STATIS, or of the frames of the trajectory."""
     found = {name[4:]: one for name, one in all_series(run).items() if name.startswith("msd_")}
     curves = [(name, one.times, one.values) for name, one in found.items() if len(one.times) > 2]
-    source = "STATIS"
+    source, since = "STATIS", "the start"
     if not curves:
-        curves, source = _displacement_of_frames(run), "HISTORY"
+        curves, since = _displacement_of_frames(run)
+        source = run.history_file
     curves = [curve for curve in curves if np.any(curve[2] > 0.0)]
     if not curves:
         return None
     slopes = [f"{name} {_diffusion(times, values):.3g}" for name, times, values in curves[:_MOST_CURVES]]
     unit = run.units.of("diffusion")
     words = (
-        f"Mean-square displacement since the start, from {source}. A sixth of the slope of the second half, which for "
+        f"Mean-square displacement since {since}, from {source}. A sixth of the slope of the second half, which for "
         f"beads that diffuse is D: {', '.join(slopes)}{unit and ' ' + unit}. One start only: no error is known."
     )
     x, y = axis_label("time", run.units.of("time")), axis_label("MSD", run.units.of("area"))
@@ -119,9 +124,7 @@ def _curves(
     figure, rows = new_axes(HEIGHT if len(panels) == 1 else 0.4 + 2.3 * len(panels), len(panels))
     for axes, panel in zip(rows, panels, strict=True):
         for k, (label, x, y) in enumerate(panel):
-            if errors:
-                axes.fill_between(x, y - errors[k], y + errors[k], color="#c9ced4", alpha=0.6, linewidth=0.0)
-            line(axes, k, x, y, label)
+            banded(axes, k, x, y, errors[k] if errors else None, label)
         if reference is not None:
             axes.axhline(reference, color="black", linewidth=0.6, zorder=1)
         axes.set_ylabel(y_label)
@@ -157,7 +160,7 @@ def _distribution_of_frames(run: Run) -> tuple[_Curves, str]:
     except (InputError, np.linalg.LinAlgError):
         return [], ""
     curves = [(f"{a}–{b}", result.r, g) for (a, b), g in zip(result.pairs, result.g, strict=True)]
-    return curves, f"{len(frames)} {'frame' if len(frames) == 1 else 'frames'} of HISTORY"
+    return curves, _frames_of(run, len(frames))
 
 
 def _density_of_frames(run: Run) -> tuple[_Curves, str]:
@@ -172,14 +175,32 @@ def _density_of_frames(run: Run) -> tuple[_Curves, str]:
     except (InputError, np.linalg.LinAlgError):
         return [], ""
     curves = [(name, result.z, values) for name, values in zip(result.species, result.density, strict=True)]
-    return curves, f"{len(frames)} {'frame' if len(frames) == 1 else 'frames'} of HISTORY"
+    return curves, _frames_of(run, len(frames))
 
 
-def _displacement_of_frames(run: Run) -> _Curves:
+def _frames_of(run: Run, count: int) -> str:
+    return f"{count} {'frame' if count == 1 else 'frames'} of {run.history_file}"
+
+
+def _displacement_of_frames(run: Run) -> tuple[_Curves, str]:
+    """Mean squares by species, and since when: HISTORY has displacements from the start, others cells crossed."""
     frames = [frame for frame in (run.history.frames if run.history is not None else ()) if frame.time is not None]
-    if len(frames) < 3 or not all(np.isfinite(frame.displacements).all() for frame in frames):
-        return []
+    if len(frames) < 3 or any(frame.names != frames[0].names for frame in frames):
+        return [], ""
+    squares, since = _squares(run, frames)
+    if squares is None:
+        return [], ""
     times = np.array([frame.time for frame in frames], dtype=np.float64)
     names = np.array(frames[0].names, dtype=object)
-    squares = np.array([frame.displacements**2 for frame in frames])
-    return [(name, times, squares[:, names == name].mean(axis=1)) for name in dict.fromkeys(frames[0].names)]
+    return [(name, times, squares[:, names == name].mean(axis=1)) for name in dict.fromkeys(frames[0].names)], since
+
+
+def _squares(run: Run, frames: Sequence[Frame]) -> tuple[FloatArray | None, str]:
+    """Squared displacements, (frames, N); None where frames do not tell them, as in a cell that moves."""
+    if all(np.isfinite(frame.displacements).all() for frame in frames):
+        return np.array([frame.displacements**2 for frame in frames]), "the start"
+    sheared = run.scene is not None and run.scene.dynamics.shear_rate != 0.0
+    if sheared or any(frame.images is None or not np.array_equal(frame.cell, frames[0].cell) for frame in frames):
+        return None, ""
+    places = np.array([frame.positions + frame.images @ frame.cell for frame in frames if frame.images is not None])
+    return np.sum((places - places[0]) ** 2, axis=2), f"step {frames[0].step}, the first frame looked at"

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pydlpoly.errors import InputError
-from pydlpoly.formats.blocks import Estimate, standard_error
+from pydlpoly.formats.blocks import Estimate, standard_error, standard_errors
 from pydlpoly.formats.cor import Correlation, Derived, write_correlations
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.reporters.multiple_tau import MultipleTau, running_integral
@@ -95,6 +95,11 @@ class StressCorrelations:
         correlator, column = self._place(self.terms[term])
         return np.asarray(correlator.lags() * self.spacing, dtype=np.float64), correlator.values()[:, column]
 
+    def correlation_error(self, term: int = 0) -> FloatArray:
+        """Return the standard errors (n,) of ``correlation``; not a number where there are too few blocks of time."""
+        correlator, column = self._place(self.terms[term])
+        return standard_errors(correlator.block_values()[:, :, column])
+
     @property
     def spacing(self) -> float:
         """Time between samples, ps."""
@@ -152,7 +157,9 @@ class StressCorrelations:
         found = []
         for k, term in enumerate(self.terms):
             lags, values = self.correlation(k)
-            found.append(Correlation(term.name, term.points, term.blocks, term.window, lags, values))
+            errors = self.correlation_error(k)
+            known = errors if np.isfinite(errors).any() else None
+            found.append(Correlation(term.name, term.points, term.blocks, term.window, lags, values, known))
         write_correlations(self._path, self._scene.title, found, self._derived())
 
     def state(self) -> dict[str, NDArray[Any]]:

@@ -13,6 +13,8 @@ from pydlpoly.scene.settings import Notes, place
 
 # DL_POLY calls lighter beads massless (shells, virtual sites) and does not integrate them.
 _MASSLESS = 1e-6
+# Bead numbers have 32 bits in the core.
+MOST_BEADS = 2**31 - 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,12 +41,16 @@ def lay_out(field: Field, notes: Notes) -> Layout:
     """Number the species by first appearance and repeat the molecules.
 
     Raises:
-        SceneError: there is no bead at all, or a bead that moves has no mass.
+        SceneError: no bead at all or more than can be numbered, a bead that moves without mass, or a name that does not
+            fit into files.
     """
     names = tuple(dict.fromkeys(atom.name for molecule in field.molecules for atom in molecule.atoms))
     number = {name: k for k, name in enumerate(names)}
     if field.bead_count == 0:
         raise SceneError("there are no beads: all molecules together have none", path=field.path)
+    if field.bead_count > MOST_BEADS:
+        told = f"the molecules add up to {field.bead_count} beads, more than {MOST_BEADS}"
+        raise SceneError(told, path=field.path)
     for molecule in field.molecules:
         _check_atoms(molecule, field, notes)
     blocks = [_Block(molecule, number) for molecule in field.molecules]
@@ -80,6 +86,9 @@ def _check_atoms(molecule: Molecule, field: Field, notes: Notes) -> None:
             notes.warning(
                 f"negative mass {atom.mass:g} of {atom.name}: its absolute value is taken, as in DL_POLY", where
             )
+        if not atom.name.isascii():
+            told = "a species name has a letter outside ASCII, and DL_POLY's files have no room for it"
+            raise SceneError(told, path=field.path, line=atom.line or None, word=atom.name)
         if abs(atom.mass) < _MASSLESS and not atom.frozen and molecule.count:
             message = f"bead {atom.name} of molecule {molecule.name} has no mass ({atom.mass:g}) and is not frozen: "
             message += "massless beads cannot be integrated yet; give it a mass or freeze it"

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 
 from pydlpoly.errors import SceneError
@@ -19,6 +22,9 @@ _NO_LONGER = {4: "truncated octahedron", 5: "rhombic dodecahedron", 7: "hexagona
 
 # No length in a scene is longer (Å): a tenth of a metre. Larger numbers are slips, and their cubes overflow.
 LONGEST = 1e9
+
+# A bead meets no more images of another within a range: beyond this a step takes minutes, and a cell is a slip.
+MOST_IMAGES = 30_000
 
 # DL_POLY adds this to the cutoff when it builds the box of an open system, so that no bead lies on its face.
 _MARGIN = 1e-6
@@ -76,6 +82,11 @@ def widths(cell: FloatArray) -> FloatArray:
     """Return the perpendicular distances between opposite faces (Å)."""
     result: FloatArray = 1.0 / np.linalg.norm(np.linalg.inv(cell), axis=0)
     return result
+
+
+def images_within(reach: float, cell_widths: Sequence[float]) -> float:
+    """Return how many images of a bead a range can hold; ``cell_widths`` are those along the periodic axes (Å)."""
+    return math.prod(2.0 * math.ceil(reach / width) + 1.0 for width in cell_widths)
 
 
 def _open(config: Configuration, cutoff: float, notes: Notes) -> FloatArray:

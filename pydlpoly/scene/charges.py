@@ -9,7 +9,7 @@ import numpy as np
 from pydlpoly import _core
 from pydlpoly.formats.records import Field, FloatArray
 from pydlpoly.scene.beads import Layout
-from pydlpoly.scene.cell import widths
+from pydlpoly.scene.cell import MOST_IMAGES, images_within, widths
 from pydlpoly.scene.model import Dynamics, Electrostatics
 from pydlpoly.scene.settings import Notes, Settings, place
 from pydlpoly.units import COULOMB_CONSTANT
@@ -17,7 +17,6 @@ from pydlpoly.units import COULOMB_CONSTANT
 # DL_POLY switches electrostatics off when no charge reaches this.
 _UNCHARGED = 1e-5
 # Images within the cutoff, of each charge with each other, beyond which a box is a slip.
-_MOST_IMAGES = 30_000
 # Points of a mesh, or half of the plain sum's vectors, that fit into memory.
 _MOST_POINTS = 2**27
 _MOST_ON_AXIS = 2**21
@@ -180,9 +179,9 @@ def resolve_charges(
 
 
 def _check_images(settings: Settings, cell: FloatArray, cutoff: float, periodic: tuple[bool, bool, bool]) -> None:
-    images = math.prod(2.0 * math.ceil(cutoff / width) + 1.0 for width in widths(cell)[list(periodic)].tolist())
-    if images > _MOST_IMAGES:
-        message = f"{images:.3g} images of each charge lie within the cutoff {cutoff:g} ang, more than {_MOST_IMAGES}: "
+    images = images_within(cutoff, widths(cell)[list(periodic)].tolist())
+    if images > MOST_IMAGES:
+        message = f"{images:.3g} images of each charge lie within the cutoff {cutoff:g} ang, more than {MOST_IMAGES}: "
         raise settings.refusal("cutoff", message + "the cell is too small for it")
 
 

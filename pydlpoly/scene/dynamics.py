@@ -14,7 +14,17 @@ from pydlpoly.formats.keywords import KEYWORDS
 from pydlpoly.formats.records import Configuration, FloatArray
 from pydlpoly.scene.beads import Layout
 from pydlpoly.scene.integrators import INTEGRATORS, THERMOSTATS, is_pairwise
-from pydlpoly.scene.model import Dynamics, ExternalTerm, PairTerm, Precision, RunPlan, Schedule, Start, Walls
+from pydlpoly.scene.model import (
+    MOST_THREADS,
+    Dynamics,
+    ExternalTerm,
+    PairTerm,
+    Precision,
+    RunPlan,
+    Schedule,
+    Start,
+    Walls,
+)
 from pydlpoly.scene.settings import Notes, Settings, place
 from pydlpoly.units import BOLTZMANN
 
@@ -267,6 +277,8 @@ def _threads(settings: Settings) -> int:
     threads = settings.integer("threads")
     if threads < 0:
         raise settings.refusal("threads", f"the number of threads must not be negative, found {threads}")
+    if threads > MOST_THREADS:
+        raise settings.refusal("threads", f"at most {MOST_THREADS} threads can be used, found {threads}")
     return threads
 
 

@@ -10,7 +10,7 @@ from pydlpoly import _core
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import Field, PairTable
 from pydlpoly.scene.beads import Layout
-from pydlpoly.scene.cell import LONGEST
+from pydlpoly.scene.cell import LONGEST, MOST_IMAGES, images_within
 from pydlpoly.scene.integrators import is_pairwise
 from pydlpoly.scene.laws import pair_laws
 from pydlpoly.scene.many_body_records import KEY, in_full
@@ -165,6 +165,15 @@ def note_small_cell(pairs: tuple[PairTerm, ...], cell_widths: Sequence[float], n
     if reach >= 0.5 * width:
         text = f"the longest range {reach:g} ang is at least half the cell's width, {width:g} ang: a bead may meet"
         notes.choice(f"{text} several images of another, and all count; DL_POLY would stop (error 95)")
+
+
+def check_images(pairs: tuple[PairTerm, ...], cell_widths: Sequence[float], path: str) -> None:
+    """Raise SceneError where a law's range holds more images of a cell than can be computed; widths as above."""
+    reach = max((t.cutoff for t in pairs), default=0.0)
+    images = images_within(reach, cell_widths)
+    if images > MOST_IMAGES:
+        message = f"{images:.3g} images of the cell lie within the longest range {reach:g} ang, more than {MOST_IMAGES}"
+        raise SceneError(f"{message}: the cell is too small for it", path=path)
 
 
 def check_image_noise(pairs: tuple[PairTerm, ...], cell_widths: Sequence[float], path: str) -> None:

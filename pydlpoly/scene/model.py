@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 Start = Literal["clean", "rescale", "noscale", "continue"]
 Precision = Literal["double", "mixed", "reference"]
+MOST_THREADS = 1024  # systems give a process so many at most; the run-time library ends the process where they do not
 BondedKind = Literal["bond", "angle", "dihedral", "inversion", "tether"]
 CellMotion = Literal["isotropic", "height", "square", "edges"]
 SemiIsotropic = Literal["off", "area", "tension", "orthorhombic"]

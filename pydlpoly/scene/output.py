@@ -7,14 +7,15 @@ import numpy as np
 from pydlpoly.errors import SceneError, suggest
 from pydlpoly.formats.records import Field, FloatArray
 from pydlpoly.scene.bins import resolve_map, resolve_profile_bins
+from pydlpoly.scene.cell import MOST_IMAGES, images_within, widths
 from pydlpoly.scene.model import OutputPlan, PairTerm
 from pydlpoly.scene.settings import Notes, Settings
 from pydlpoly.scene.stress import resolve_correlations, resolve_profile
 from pydlpoly.trajectories import FORMATS
 
 _TRAJECTORY_LEVELS = {"pos": 0, "pos-vel": 1, "pos-vel-force": 2}
-# DL_POLY keeps rolling averages over at least this many steps.
-_LEAST_STACK = 100
+# DL_POLY keeps rolling averages over at least this many steps; of more than so many the stack does not fit in memory.
+_LEAST_STACK, _MOST_STACK = 100, 1_000_000
 
 
 def resolve_output(
@@ -50,7 +51,9 @@ def resolve_output(
     diagnostics_every = _interval(settings, "diagnostics_frequency")
     zden_every = _interval(settings, "zden_frequency") if settings.switch("zden_calculate") else 0
     zden_written = settings.switch("zden_print") and zden_every > 0
-    widths = {
+    if rdf_every > 0:
+        _check_images(settings, cutoff, widths(cell)[list(periodic)].tolist())
+    bin_widths = {
         name: _bin_width(settings, f"{name}_binsize", cutoff, notes) if on else settings.number(f"{name}_binsize")
         for name, on in (("rdf", rdf_every > 0), ("zden", zden_written))
     }
@@ -68,7 +71,7 @@ def resolve_output(
         trajectory_level=_TRAJECTORY_LEVELS[settings.word("traj_key")],
         trajectory_formats=formats,
         rdf_every=rdf_every,
-        rdf_bin_width=widths["rdf"],
+        rdf_bin_width=bin_widths["rdf"],
         rdf_pairs=_rdf_pairs(field, species, pairs) if rdf_every else (),
         checkpoint_every=_interval(settings, "data_dump_frequency"),
         output_file=settings.file_name("io_file_output"),
@@ -82,7 +85,7 @@ def resolve_output(
         profile=resolve_profile(settings, cell, periodic, notes),
         correlations=resolve_correlations(settings, notes),
         zden_every=zden_every if zden_written else 0,
-        zden_bins=max(1, round(cutoff / widths["zden"])) if zden_written else 1,
+        zden_bins=max(1, round(cutoff / bin_widths["zden"])) if zden_written else 1,
         vaf_every=vaf_every,
         vaf_steps=vaf_steps,
         vaf_averaging=settings.switch("vaf_averaging") if vaf_every else True,
@@ -123,8 +126,19 @@ def _interval(settings: Settings, keyword: str) -> int:
     return steps
 
 
+def _check_images(settings: Settings, cutoff: float, cell_widths: list[float]) -> None:
+    images = images_within(cutoff, cell_widths)
+    if images > MOST_IMAGES:
+        message = (
+            f"{images:.3g} images of the cell lie within the cutoff {cutoff:g} ang, to which distances are counted, "
+        )
+        raise settings.refusal("rdf_calculate", message + f"more than {MOST_IMAGES}: the cell is too small for it")
+
+
 def _stack_size(settings: Settings, notes: Notes) -> int:
     size = _interval(settings, "stack_size")
+    if size > _MOST_STACK:
+        raise settings.refusal("stack_size", f"rolling averages over {size} steps; at most {_MOST_STACK} are kept")
     if 0 < size < _LEAST_STACK:
         notes.choice(
             f"rolling averages are taken over {_LEAST_STACK} steps, the least that DL_POLY uses, not {size}",

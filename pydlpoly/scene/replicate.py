@@ -10,12 +10,9 @@ import numpy as np
 
 from pydlpoly.errors import SceneError
 from pydlpoly.formats.records import Configuration, Field, FloatArray, Molecule
-from pydlpoly.scene.beads import check_configuration, lay_out
+from pydlpoly.scene.beads import MOST_BEADS, check_configuration, lay_out
 from pydlpoly.scene.cell import resolve_cell
 from pydlpoly.scene.settings import Notes, Settings
-
-# Bead numbers have 32 bits in the core.
-_MOST_BEADS = 2**31 - 1
 
 
 def replicate(field: Field, config: Configuration, counts: Sequence[int]) -> tuple[Field, Configuration]:
@@ -99,8 +96,8 @@ def _checked(counts: Sequence[float], config: Configuration, beads: int) -> tupl
         raise SceneError(
             f"a slab (imcon 6) is not periodic along its third vector and cannot be repeated {c} times there"
         )
-    if a * b * c * beads > _MOST_BEADS:
-        raise SceneError(f"{beads} beads repeated {text} times are more than {_MOST_BEADS}")
+    if a * b * c * beads > MOST_BEADS:
+        raise SceneError(f"{beads} beads repeated {text} times are more than {MOST_BEADS}")
     return a, b, c
 
 

@@ -23,6 +23,7 @@ from pydlpoly.scene.external import ON_CHARGES, resolve_external
 from pydlpoly.scene.heat import resolve_heat
 from pydlpoly.scene.interactions import (
     check_image_noise,
+    check_images,
     long_range_correction,
     note_small_cell,
     resolve_cutoffs,
@@ -115,6 +116,7 @@ def resolve(
     many_body = resolve_many_body(settings, field, pairs, layout.species_names, notes)
     check_limits(dynamics, pairs, layout, settings, notes)
     note_small_cell(pairs, widths(cell)[list(periodic)].tolist(), notes)
+    check_images(pairs, widths(cell)[list(periodic)].tolist(), config.path)
     check_image_noise(pairs, widths(cell)[list(periodic)].tolist(), config.path)
     dynamics, degrees = settle_momentum(dynamics, layout, external, walls, settings, notes)
     run = resolve_run(settings, dynamics.integrator != "nve", config, notes)

@@ -15,6 +15,7 @@ import numpy as np
 from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import Closing
 from pydlpoly.formats.frame import Frame
+from pydlpoly.formats.history_sample import HistorySample, chosen
 from pydlpoly.formats.records import IntArray
 
 LINKS = ("bond", "angle", "dihedral", "inversion")
@@ -123,6 +124,13 @@ class Reader(ABC):
             raise self.missing(index)
         return found[0]
 
+    @abstractmethod
+    def sample(self, most: int) -> HistorySample:
+        """Return at most so many frames at equal distances, the last one among them; only these are held in memory.
+
+        Raises InputError where the file is not what it should be.
+        """
+
     def missing(self, index: int) -> InputError:
         """Return the error of a frame that is not there."""
         return InputError("there is no such frame", path=self.path, word=str(index))
@@ -142,6 +150,15 @@ class CountedReader(Reader):
     def __iter__(self) -> Iterator[Frame]:
         """Iterate over the frames."""
         return (self.at(index) for index in range(len(self)))
+
+    def left_out(self) -> str:
+        """Return what of the file's end is no whole frame, in words; empty when nothing is."""
+        return ""
+
+    def sample(self, most: int) -> HistorySample:
+        """Return at most so many frames at equal distances, the last one among them."""
+        count = len(self)
+        return HistorySample(tuple(self.at(index) for index in chosen(count, most)), count, self.left_out())
 
     def frame(self, index: int) -> Frame:
         """Return one frame; −1 is the last. Raises InputError when there is no such frame."""

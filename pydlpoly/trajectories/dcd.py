@@ -150,6 +150,16 @@ class Reader(base.CountedReader):
         """Return the number of whole frames."""
         return int(self._file.n_frames)
 
+    def left_out(self) -> str:
+        """Return whether the file ends in the middle of a frame."""
+        frame = (_CELL if self._has_cell else 0) + 3 * (4 * len(self._fixed["names"]) + 8)
+        with Path(self.path).open("rb") as handle:
+            handle.seek(92)
+            titles = struct.unpack("<i", handle.read(4))[0]
+            size = handle.seek(0, os.SEEK_END) - (92 + 8 + titles + 12)
+        rest = size - frame * len(self)
+        return f"a frame is cut short after the first {len(self)}" if rest else ""
+
     def at(self, index: int) -> Frame:
         """Return the frame of this number."""
         self._file.seek(index)

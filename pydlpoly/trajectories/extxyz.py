@@ -13,6 +13,7 @@ bit.
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Iterable, Iterator
 from itertools import islice
@@ -27,6 +28,7 @@ from pydlpoly.ase import ENERGY, VELOCITY
 from pydlpoly.errors import InputError
 from pydlpoly.formats.atomic import FrameFile
 from pydlpoly.formats.frame import Frame
+from pydlpoly.formats.history_sample import HistorySample, chosen
 from pydlpoly.formats.records import FloatArray, IntArray
 from pydlpoly.trajectories import base
 
@@ -118,6 +120,22 @@ class Reader(base.Reader):
                     return
                 yield frame
                 number += 1
+
+    def sample(self, most: int) -> HistorySample:
+        """Return at most so many frames at equal distances, the last one among them; the others' lines are counted."""
+        frames = []
+        with Path(self.path).open("rb") as handle:
+            places, end = _places(handle)
+            cut = f"a frame is cut short after the first {len(places)}" if end < handle.seek(0, os.SEEK_END) else ""
+            for number in chosen(len(places), most):
+                handle.seek(places[number])
+                text = io.TextIOWrapper(handle, encoding="utf-8", errors="surrogateescape")
+                lines = _Lines(text, self.path)
+                frame = _frame(lines, lines.next(), number)
+                text.detach()
+                assert frame is not None  # its lines have been counted
+                frames.append(frame)
+        return HistorySample(tuple(frames), len(places), cut)
 
 
 class _Lines:
@@ -214,6 +232,23 @@ def _skip(handle: IO[bytes], lines: int) -> bool:
 
 
 # -- Reading ----------------------------------------------------------------------------------------------------------
+
+
+def _places(handle: IO[bytes]) -> tuple[list[int], int]:
+    """Where each whole frame of a file begins, and where the last one ends."""
+    starts: list[int] = []
+    end = 0
+    while first := handle.readline():
+        count = first.strip()
+        if not count:  # blank lines at the end
+            end = handle.tell()
+            continue
+        whole = first.endswith(b"\n") and count.isdigit() and handle.readline().endswith(b"\n")
+        if not whole or not _skip(handle, int(count)):
+            break
+        starts.append(end)
+        end = handle.tell()
+    return starts, end
 
 
 def _keys(lines: _Lines, line: str) -> dict[str, Any]:

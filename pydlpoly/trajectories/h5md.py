@@ -154,7 +154,7 @@ class Reader(base.CountedReader):
         h5py = base.package("h5py", _USER)
         try:
             self._file = _opened(h5py, path)
-        except OSError as error:
+        except (OSError, InputError) as error:
             raise InputError(f"is not an HDF5 file that can be read: {error}", path=path) from error
         groups = list(self._file.get("particles", {}).values())
         if "h5md" not in self._file or not groups or "position" not in groups[0]:
@@ -171,6 +171,11 @@ class Reader(base.CountedReader):
         steps = self._group["position/step"]
         count: int = self._group["position/value"].shape[0]
         return min(count, int(np.count_nonzero(steps[:] != _NONE))) if steps.ndim else count
+
+    def left_out(self) -> str:
+        """Return how many frames were not finished."""
+        rest = int(self._group["position/value"].shape[0]) - len(self)
+        return f"{rest} frame{'s' * (rest > 1)} not finished after the first {len(self)}" if rest else ""
 
     def at(self, index: int) -> Frame:
         """Return the frame of this number."""
@@ -271,11 +276,23 @@ def _opened(h5py: Any, path: str) -> Any:
     """Open a file for reading; in SWMR mode where a writer, perhaps a killed one, has it marked as open.
 
     Not always so: HDF5 opens a file in one way at a time, and other packages of the same program use the usual one.
+    A file that has lost its end is not opened in SWMR mode: HDF5 would wait for the rest for ever.
     """
     for way in ({}, {"locking": False}):
-        with suppress(OSError):
+        with suppress(OSError), _whole_file():
             return h5py.File(path, "r", **way)
     return h5py.File(path, "r", swmr=True, locking=False)
+
+
+@contextmanager
+def _whole_file() -> Iterator[None]:
+    """Turn HDF5's error at a file that has lost its end into InputError."""
+    try:
+        yield
+    except OSError as error:
+        if "truncated file" in str(error):
+            raise InputError(f"it has lost its end: {error}") from error
+        raise
 
 
 def _head(file: Any, topology: base.Topology, like: Frame) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pydlpoly.errors import InputError
 from pydlpoly.formats.frame import Frame
 from pydlpoly.formats.history import HistoryWriter, read_history, read_history_header
+from pydlpoly.formats.history_sample import HistorySample, sample_history
 from pydlpoly.trajectories import base
 
 
@@ -73,3 +74,7 @@ class Reader(base.Reader):
     def __iter__(self) -> Iterator[Frame]:
         """Iterate over the frames."""
         return read_history(self.path)
+
+    def sample(self, most: int) -> HistorySample:
+        """Return at most so many frames at equal distances, the last one among them."""
+        return sample_history(self.path, most)

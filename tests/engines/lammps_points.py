@@ -21,8 +21,11 @@ def lammps_point(team: ProcessTeam, scene: Scene) -> tuple[dict[str, Any], Float
     velocities = np.zeros((scene.bead_count, 3)) if scene.beads.velocities is None else scene.beads.velocities
     path = team.folder / "point.data"
     with path.open("w") as file:
-        file.writelines(translation.data.pieces(scene.beads.positions, velocities))
-    answers = team.ask("load", translation.commands(str(path)))
+        beads = scene.beads
+        file.writelines(translation.data.pieces(beads.positions, velocities, beads.temperature, beads.concentrations))
+    carried = translation.carried
+    commands = [*translation.commands(str(path)), *translation.carried_computes()]
+    answers = team.ask("load", commands, (carried.heat, carried.density, carried.dissolved))
     parts = team.ask("beads")
     ids = np.concatenate([part["id"] for part in parts])
     assert len(ids) == scene.bead_count

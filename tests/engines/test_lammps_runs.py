@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pydlpoly import InputError, SceneError, Simulation, load
+from pydlpoly import InputError, RunError, SceneError, Simulation, load
 from pydlpoly.conversion import convert_to_lammps
 from pydlpoly.engines.lammps_package import lammps_environment, mpiexec
-from pydlpoly.engines.lammps_team import job_of, switches_of
+from pydlpoly.engines.lammps_team import foreign_launcher, job_of, switches_of
 from pydlpoly.engines.lammps_translate import noise_seed
 from pydlpoly.formats.config import read_config
 from pydlpoly.formats.history_reader import read_history
@@ -259,6 +259,51 @@ def test_a_job_uses_its_ranks(tmp_path: Path) -> None:
     done = subprocess.run(words, env=environment(), capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode == 1
     assert done.stderr.count("the integrator second cannot be run") == 1
+
+
+def test_a_job_of_another_mpi_is_refused() -> None:
+    """Environments as of mpirun of Open MPI 4.1, and of srun of Slurm 22.05 with --mpi=pmix and --mpi=pmi2."""
+    mpich = "MPICH Version:      5.0.2\nMPICH configure:    --with-device=ch4:ucx,ofi --with-pm=hydra:gforker\n"
+    ompi = {"OMPI_COMM_WORLD_RANK": "0", "OMPI_COMM_WORLD_SIZE": "2", "PMIX_RANK": "0"}
+    assert "MPICH 5.0.2, the MPI library of LAMMPS, does not know PMIx" in foreign_launcher(ompi, mpich)
+    assert "srun --mpi=pmi2" in foreign_launcher({"SLURM_PROCID": "0", "PMIX_RANK": "0"}, mpich)
+    assert foreign_launcher({"PMI_RANK": "0", "PMI_SIZE": "2"}, mpich) == ""
+    assert foreign_launcher(ompi, mpich.replace("--with-pm=", "--with-pmix=/usr --with-pm=")) == ""
+    assert foreign_launcher(ompi, "Open MPI v4.1.4, package: Debian OpenMPI") == ""
+
+
+@pytest.mark.skipif(importlib.util.find_spec("mpi4py") is None, reason="needs mpi4py, which the extra lammps brings")
+def test_another_mpi_is_said_once(tmp_path: Path) -> None:
+    """MPI itself would abort every rank with its own words."""
+    folder = run_folder(tmp_path / "run")
+    said = []
+    for rank in ("0", "1"):
+        job = {"OMPI_COMM_WORLD_RANK": rank, "OMPI_COMM_WORLD_SIZE": "2", "PMIX_RANK": rank}
+        done = subprocess.run(
+            command("run", folder, "--engine", "lammps"),
+            env=environment() | job,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=60,
+        )
+        assert done.returncode == 1
+        said.append(done.stderr)
+    assert "does not know PMIx, by which this job was started" in said[0]
+    assert said[1] == ""
+    assert not (folder / "OUTPUT").exists()
+
+
+def test_mpiexec_of_another_mpi_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What mpirun of Open MPI prints around ranks of MPICH."""
+    other = tmp_path / "mpiexec"
+    rule = "-" * 74
+    words = ["MPIR_pmi_init(225)..............: ", "Runtime environment uses unsupported PMI version PMIx.", rule]
+    other.write_text("#!/bin/sh\n" + "".join(f"echo '{line}'\n" for line in words) + "exit 16\n")
+    other.chmod(0o755)
+    monkeypatch.setattr("pydlpoly.engines.lammps_team.mpiexec", lambda: str(other))
+    with pytest.raises(RunError, match="mpiexec belongs to another MPI than LAMMPS"):
+        Simulation(load(run_folder(tmp_path / "run")), engine="lammps", ranks=2)
 
 
 @pytest.mark.skipif(importlib.util.find_spec("mpi4py") is None, reason="needs mpi4py, which the extra lammps brings")

@@ -393,3 +393,11 @@ def test_lenient_reading_takes_the_last_of_two() -> None:
 @pytest.mark.parametrize("text", ["title t\ncutoff ten ang\n", "a title\ntad\nendtad\nfinish\n", ""])
 def test_lenient_reading_does_not_guess(text: str) -> None:
     assert _message(text, lenient=True) == _message(text)
+
+
+def test_new_style_without_its_title_line_is_told_so() -> None:
+    """The first line is then taken for an old-style title, and the second makes no sense as a directive."""
+    hint = "; a file in the new style, which this one seems to be, begins with a line title <text>"
+    without = "temperature 1.0 dpd_temp\nensemble nvt\nensemble_method dpd\ntime_run 10 steps\n"
+    assert _message(without).endswith(hint)
+    assert hint not in _message(without + "finish\n")

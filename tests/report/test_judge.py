@@ -14,7 +14,7 @@ from pydlpoly.formats.statis import STATISTICS_NAMES, StatisticsTable
 from pydlpoly.report import judge as judging
 from pydlpoly.report.collect import Problem, Run
 from pydlpoly.report.evidence import Evidence, with_error
-from pydlpoly.report.judge import Finding
+from pydlpoly.report.finding import Finding
 from pydlpoly.report.series import Average
 from pydlpoly.scene import load
 from pydlpoly.scene.model import ExternalTerm, Scene

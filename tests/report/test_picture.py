@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pydlpoly.drawing import look
 from pydlpoly.report import picture
 from pydlpoly.report.collect import Run
 from pydlpoly.report.snapshots import Snapshot, of_scene
-from pydlpoly.report.style import look, svg
+from pydlpoly.report.style import svg
 from pydlpoly.scene import Scene, load
 
 from ..run_folders import run_folder
@@ -73,10 +74,10 @@ def test_nearer_beads_are_painted_later_and_darker() -> None:
     (beads,) = [one for one in drawing.figure.axes[0].collections if one.get_rasterized()]
     faces = beads.get_facecolors()[:, :3]
     assert np.all(np.diff(faces[:, 0]) < 0.0)  # the last one is the darkest
-    view = picture._view(places, np.array([0, 1, 2, 3]))
+    view = picture.view_of(places, np.array([0, 1, 2, 3]))
     assert view.kinds.tolist() == [0, 2, 3, 1]
     assert view.near.tolist() == pytest.approx([0.0, 0.5, 0.75, 1.0])
-    beside = picture._view(np.stack([right, up]), np.array([0, 1]))
+    beside = picture.view_of(np.stack([right, up]), np.array([0, 1]))
     np.testing.assert_allclose(beside.places[np.argsort(beside.kinds)], np.eye(2), atol=1e-12)
 
 
@@ -103,7 +104,7 @@ def test_any_cell_and_up_to_ten_species_are_drawn(cell: np.ndarray) -> None:
     assert text.count("<image") == 1
     assert "data:image/png;base64," in text
     low, high = drawing.figure.axes[0].get_xlim()
-    beads = picture._view(picture.wrapped(one), np.array(kinds))
+    beads = picture.view_of(picture.wrapped(one), np.array(kinds))
     assert low < beads.places[:, 0].min() < beads.places[:, 0].max() < high
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from pydlpoly.drawing import columns_of, thinned
 from pydlpoly.formats.blocks import BlockSums, block_means
 from pydlpoly.report.series import Average, Series, average_of, change_and_chance, trend_and_chance
-from pydlpoly.report.style import columns_of, thinned
 
 
 def series(values: np.ndarray, counted: np.ndarray | None = None) -> Series:

@@ -362,6 +362,35 @@ CASES = {
         {"imcon": 3, "cell": ((4, 0, 0), (0, 1e10, 0), (0, 0, 4))},
         "CONFIG: the cell vectors contain a number that is not finite or beyond 1e+09 ang",
     ),
+    "more_threads_than_a_process_may_have": (
+        {"control": {"threads": "1000000"}},
+        "CONTROL:10: 'threads': at most 1024 threads can be used, found 1000000",
+    ),
+    "rolling_averages_beyond_memory": (
+        {"control": {"stack_size": "100000000000 steps"}},
+        "CONTROL:10: 'stack_size': rolling averages over 100000000000 steps; at most 1000000 are kept",
+    ),
+    "name_that_output_files_cannot_hold": (
+        {
+            "atoms": ("Ä 1.0 0.0", "B 2.0 0.0"),
+            "names": ("Ä", "Ä", "Ä", "Ä", "B", "B"),
+            "vdw": ("Ä Ä dpd 25.0 1.0 4.5", "Ä B dpd 30.0 1.0 4.5", "B B dpd 25.0 1.0 4.5"),
+        },
+        "FIELD:7: 'Ä': a species name has a letter outside ASCII, and DL_POLY's files have no room for it",
+    ),
+    "distances_over_a_million_cells": (
+        {"control": {"cutoff": "1e6 dpd_l", "rdf_calculate": "on"}},
+        "CONTROL:10: 'rdf_calculate': 1.25e+17 images of the cell lie within the cutoff 1e+06 ang, to which distances "
+        "are counted, more than 30000: the cell is too small for it",
+    ),
+    "law_over_a_million_cells": (
+        {
+            "control": {"ensemble": "nve", "ensemble_method": None, "ensemble_dpd_order": None, "cutoff": "1e6 dpd_l"},
+            "vdw": ("A A lj 1.0 1.0", "A B dpd 1.0 1.0", "B B dpd 1.0 1.0"),
+        },
+        "CONFIG: 1.25e+17 images of the cell lie within the longest range 1e+06 ang, more than 30000: the cell is too "
+        "small for it",
+    ),
     "table_missing": (
         {"vdw": ("A A tab 4.5", "A B dpd 1.0 1.0 4.5", "B B dpd 25.0 1.0 4.5")},
         "FIELD: A-A is a tab pair, but the TABLE file has no entry for it",
@@ -420,6 +449,14 @@ def test_unknown_species_of_an_rdf_pair_in_a_record_made_by_a_program(make):
     with pytest.raises(SceneError) as caught:
         resolve(control, replace(field, rdf_pairs=(("A", "X"),)), config)
     assert str(caught.value) == "FIELD: 'X': the rdf block names a species that no molecule has"
+
+
+def test_more_beads_than_can_be_numbered(make):
+    control, field, config = records(make)
+    many = replace(field, molecules=(replace(field.molecules[0], count=10**17), *field.molecules[1:]))
+    with pytest.raises(SceneError) as caught:
+        resolve(control, many, config)
+    assert str(caught.value) == "FIELD: the molecules add up to 100000000000000002 beads, more than 2147483647"
 
 
 def test_no_beads_at_all(make):

@@ -1,6 +1,7 @@
 """ASE, OVITO, MDAnalysis, gsd and h5py open what is written, and see the same beads in the same cell.
 
-OVITO's package is large (some 200 MB) and not in the extra ``test``; its tests run where it is installed.
+OVITO's package is large (some 200 MB) and in the extra ``judges``, not in ``test``; its tests run where it is
+installed.
 """
 
 from __future__ import annotations
@@ -103,7 +104,8 @@ def test_what_ase_writes_is_read(tmp_path: Path) -> None:
 
 def seen_by_ovito(file: Path, frame: int) -> Any:
     """The data of a frame; the rest of the system's memory of licences and windows stays silent."""
-    pytest.importorskip("ovito.io", reason="OVITO's package is not installed (pip install ovito)")
+    reason = "OVITO's package is not installed, or a library of the system's that it draws with is missing"
+    pytest.importorskip("ovito.io", reason=reason, exc_type=ImportError)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         from ovito.io import import_file

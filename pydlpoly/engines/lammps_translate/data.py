@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pydlpoly.engines.lammps_translate.carried import NOTHING, Carried
 from pydlpoly.engines.lammps_translate.formulas import number
 from pydlpoly.formats.records import FloatArray
 
@@ -25,6 +26,7 @@ class DataFile:
         types: (N,) counted from 1.
         molecules: (N,) counted from 1.
         charges: (N,) in e; None where beads have none in this run.
+        carried: what beads carry; ``capacities``: (N,) C_v/k_B of beads that carry heat.
         rows: of the sections of terms; ``term_types``: how many types each has.
     """
 
@@ -36,25 +38,58 @@ class DataFile:
     charges: FloatArray | None
     rows: Mapping[str, NDArray[np.int64]]
     term_types: Mapping[str, int]
+    carried: Carried = NOTHING
+    capacities: FloatArray | None = None
 
-    def pieces(self, positions: FloatArray, velocities: FloatArray) -> Iterator[str]:
-        """Yield the file's text with these positions, (N, 3) in a cell around the origin, and velocities (N, 3)."""
+    def pieces(
+        self,
+        positions: FloatArray,
+        velocities: FloatArray,
+        temperatures: FloatArray | None = None,
+        concentrations: FloatArray | None = None,
+    ) -> Iterator[str]:
+        """Yield the file's text.
+
+        Args:
+            positions: (N, 3) in a cell around the origin; velocities: (N, 3).
+            temperatures: (N,) as k_B T; concentrations: (N, species). Where beads carry them.
+        """
         yield "\n".join([*self._header(), "", "Masses", "", *self._masses(), ""])
-        count = len(self.types)
-        columns: list[NDArray[np.generic]] = [np.arange(1, count + 1), self.molecules, self.types]
-        form = "%d %d %d"
-        if self.charges is not None:
-            columns.append(self.charges)
-            form += " %.17g"
-        columns += list(positions.T)
-        yield "\nAtoms # full\n\n" if self.charges is not None else "\nAtoms # molecular\n\n"
-        yield from _lines(f"{form} %.17g %.17g %.17g\n", columns)
+        ids = np.arange(1, len(self.types) + 1)
+        plain = "molecular" if self.charges is None else "full"
+        style = self.carried.atom_style(plain)
+        own: list[NDArray[np.generic]] = [] if self.charges is None else [self.charges]
+        if style == plain:
+            columns = [ids, self.molecules, self.types, *own, *positions.T]
+            form = ["%d", "%d", "%d", *["%.17g"] * (len(own) + 3)]
+        else:
+            more = self._carried_columns(temperatures, concentrations)
+            columns = [ids, self.types, *positions.T, self.molecules, *own, *more]
+            form = ["%d", "%d", *["%.17g"] * 3, "%d", *["%.17g"] * (len(own) + len(more))]
+        yield f"\nAtoms # {style.split()[0]}\n\n"
+        yield from _lines(" ".join(form) + "\n", columns)
         yield "\nVelocities\n\n"
-        yield from _lines("%d %.17g %.17g %.17g\n", [columns[0], *velocities.T])
+        yield from _lines("%d %.17g %.17g %.17g\n", [ids, *velocities.T])
         for section, rows in self.rows.items():
             yield f"\n{section}\n\n"
             width = rows.shape[1]
             yield from _lines("%d" + " %d" * width + "\n", [np.arange(1, len(rows) + 1), *rows.T])
+
+    def _carried_columns(
+        self, temperatures: FloatArray | None, concentrations: FloatArray | None
+    ) -> list[NDArray[np.generic]]:
+        """Return the columns of the atom styles, in the order of ``Carried.atom_style``."""
+        columns: list[NDArray[np.generic]] = []
+        if self.carried.heat:
+            assert temperatures is not None
+            assert self.capacities is not None
+            columns += [temperatures, self.capacities]
+        if self.carried.dissolved:
+            assert concentrations is not None
+            columns += list(concentrations.T)
+        if "mdpd" in self.carried.atom_style(""):
+            columns.append(np.zeros(len(self.types)))  # densities are computed before they are used
+        return columns
 
     def _header(self) -> Iterable[str]:
         low = -0.5 * self.cell.sum(axis=0)

@@ -34,6 +34,17 @@ class Exclusions(NamedTuple):
     drag: Weights
     dummies: NDArray[np.int64]
 
+    @property
+    def any(self) -> bool:
+        """Whether some pairs lack a part of their forces."""
+        return any(weight != 1.0 for weight in (*self.pair, *self.charge))
+
+    @property
+    def leave_lists(self) -> bool:
+        """Whether LAMMPS's lists of pairs lack every pair that these weights are about, or have it as any other."""
+        pairs = zip(self.pair, self.charge, strict=True)
+        return all((lj, coul) in ((0.0, 0.0), (1.0, 1.0)) for lj, coul in pairs)
+
 
 def exclusions_of(scene: Scene, places: Places) -> Exclusions:
     """Return what the scene's excluded and scaled pairs become.

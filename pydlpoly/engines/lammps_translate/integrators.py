@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pydlpoly.engines.lammps_translate.carried import carried_of, motion_fixes
 from pydlpoly.engines.lammps_translate.formulas import number
 from pydlpoly.engines.lammps_translate.refusal import Places, refusal
 from pydlpoly.scene.model import ExternalTerm, Scene
@@ -25,9 +26,9 @@ class IntegratorStyle:
 INTEGRATOR_STYLES: dict[str, IntegratorStyle] = {
     "nve": IntegratorStyle("`nve`", "the same velocity Verlet: the same trajectory to rounding", "nothing"),
     "mdvv": IntegratorStyle(
-        "`nve` and `pair_style dpd/tstat` (`dpd/ext/tstat` for other exponents than 2)",
-        "the same step with λ = ½, drag of half-step velocities",
-        "another stream of random numbers; other λ are refused",
+        "`nve` (`mvv/dpd` for λ other than ½) and `pair_style dpd/tstat` (`dpd/ext/tstat` for other exponents than 2)",
+        "the same step, drag of the velocities that λ predicts",
+        "another stream of random numbers",
     ),
     "langevin": IntegratorStyle(
         "`nve` and `langevin`",
@@ -56,22 +57,28 @@ class Fixes:
     thermostat: str = ""
 
 
+def refuse_integrator(scene: Scene, places: Places) -> None:
+    """Raise SceneError for an integrator that is not translated."""
+    name = scene.dynamics.integrator
+    if name not in INTEGRATOR_STYLES:
+        place = places.of_setting("ensemble_dpd_order", "ensemble_method", "ensemble")
+        raise refusal(f"the integrator {name} cannot be run", place)
+
+
 def fixes_of(scene: Scene, seed: int, places: Places) -> Fixes:
     """Return the fixes that move the beads. Raises SceneError for what is refused."""
+    refuse_integrator(scene, places)
     dynamics = scene.dynamics
     name = dynamics.integrator
-    place = places.of_setting("ensemble_dpd_order", "ensemble_method", "ensemble")
-    if name not in INTEGRATOR_STYLES:
-        raise refusal(f"the integrator {name} cannot be run", place)
-    if name == "mdvv" and dynamics.prediction != 0.5:
-        where = places.of_setting("ensemble_dpd_lambda")
-        raise refusal(f"mdvv with lambda {dynamics.prediction:g} instead of 1/2 cannot be run", where)
+    carried = carried_of(scene)
     frozen = bool(scene.beads.frozen.any())
     commands = [f"timestep {number(dynamics.timestep)}"]
     group = "all"
     if frozen:
         group = "mobile"
-        commands += [*_groups(scene), "neigh_modify exclude group frozen frozen"]
+        commands += _groups(scene)
+        if not carried.any:
+            commands.append("neigh_modify exclude group frozen frozen")
     energy = number(dynamics.thermal_energy)
     mobile = int(np.count_nonzero(~scene.beads.frozen))
     commands += [f"compute moving {group} temp", *_degrees(scene, mobile)]
@@ -79,7 +86,7 @@ def fixes_of(scene: Scene, seed: int, places: Places) -> Fixes:
         commands.append(f"fix {MOTION} {group} nvt temp {energy} {energy} {number(dynamics.relaxation)} tchain 1")
         commands.append(f"fix_modify {MOTION} temp moving")
     else:
-        commands.append(f"fix {MOTION} {group} nve")
+        commands += motion_fixes(carried, dynamics.prediction, group, MOTION)
     if name == "berendsen":
         commands.append(f"fix bath {group} temp/berendsen {energy} {energy} {number(dynamics.relaxation)}")
         commands.append("fix_modify bath temp moving")

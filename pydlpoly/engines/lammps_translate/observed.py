@@ -25,6 +25,11 @@ class Observed:
         reciprocal: whether there is a sum over reciprocal vectors.
         kinds: kinds of bonded terms.
         thermostat: fix whose scalar is the thermostat's energy, empty without one.
+        drag_is_rest: sub-styles of the pair laws, of which the virial of drag and noise is the rest; LAMMPS has no
+            virial of one of several sub-styles of a name.
+        many_body: sub-style whose energy is none.
+        supplies: variables of what sources give, see ``carried``.
+        lumped: drag and noise are in the virial of the pair laws and cannot be told from them.
     """
 
     drag: str
@@ -32,6 +37,10 @@ class Observed:
     reciprocal: bool
     kinds: tuple[str, ...]
     thermostat: str
+    drag_is_rest: tuple[str, ...] | None = None
+    many_body: str = ""
+    supplies: tuple[str, ...] = ()
+    lumped: bool = False
 
     def commands(self) -> list[str]:
         """Return the commands that define what is reported and in which columns."""
@@ -43,14 +52,35 @@ class Observed:
         if self.reciprocal:
             pressures["long"] = "kspace"
         pressures |= {kind: kind for kind in self.kinds}
+        pressures |= {f"law{k}": f"pair/hybrid {name}" for k, name in enumerate(self.drag_is_rest or ())}
         lines = [f"compute p_{name} all pressure NULL {words}" for name, words in pressures.items()]
         lines += [f"variable momentum_{axis} equal vcm(all,{axis})*mass(all)" for axis in "xyz"]
+        if self.many_body:
+            lines.append(f"compute many_body all pair {self.many_body} evdwl")
         columns = ["step", "vol", "pe", "evdwl", "ecoul", "elong", *(_ENERGIES[kind] for kind in self.kinds)]
         columns += [f"c_p_{name}[{k}]" for name in pressures for k in range(1, 7)]
         columns += [f"c_moving[{k}]" for k in range(1, 7)]
         columns += [f"v_momentum_{axis}" for axis in "xyz"]
         columns += [f"f_{self.thermostat}"] if self.thermostat else []
+        columns += ["c_many_body"] if self.many_body else []
+        columns += [f"v_{name}" for name in self.supplies] + self._means()
         return [*lines, f"thermo_style custom {' '.join(columns)}", "thermo_modify norm no"]
+
+    def _means(self) -> list[str]:
+        several = len(self.supplies) > 1
+        return [f"f_supplied[{k}]" if several else "f_supplied" for k in range(1, len(self.supplies) + 1)]
+
+    def supplied(self, first: Mapping[str, float], seen: Mapping[str, float], timestep: float) -> dict[str, float]:
+        """Return what sources gave from the first row of thermodynamic output to another, by variable.
+
+        LAMMPS's steps take half of a rate before and half after the forces: the sum is that of trapezia.
+        """
+        steps = seen[_NAMES["step"]] - first[_NAMES["step"]]
+        totals = {}
+        for name, mean in zip(self.supplies, self._means(), strict=True):
+            ends = 0.5 * (first[f"v_{name}"] + seen[f"v_{name}"])
+            totals[name] = timestep * (seen[mean] * (steps + 1.0) - ends)
+        return totals
 
     def parts(self, seen: Mapping[str, float]) -> dict[str, FloatArray | float]:
         """Return energies and tensors Σ F_a r_b by part, internal units, from a row of thermodynamic output."""
@@ -59,10 +89,14 @@ class Observed:
         long = _tensor(seen, "c_p_long") if self.reciprocal else np.zeros((3, 3))
         drag = _tensor(seen, "c_p_drag") if self.drag else np.zeros((3, 3))
         pair = _tensor(seen, "c_p_pair")
+        if self.drag_is_rest is not None:
+            drag = (
+                pair - charge - sum((_tensor(seen, f"c_p_law{k}") for k in range(len(self.drag_is_rest))), 0.0 * pair)
+            )
         bonded = [_tensor(seen, f"c_p_{kind}") if kind in self.kinds else np.zeros((3, 3)) for kind in _KINDS]
         energies = [seen[_NAMES[_ENERGIES[kind]]] if kind in self.kinds else 0.0 for kind in _KINDS]
         return {
-            "pair_energy": seen[_NAMES["evdwl"]],
+            "pair_energy": seen[_NAMES["evdwl"]] - (seen["c_many_body"] if self.many_body else 0.0),
             "charge_energy": seen[_NAMES["ecoul"]] + seen[_NAMES["elong"]],
             "conservative": (pair - charge - drag) * volume,
             "drag": drag * volume,

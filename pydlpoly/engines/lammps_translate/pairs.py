@@ -137,12 +137,21 @@ REFUSED_BECAUSE = {"tab": "LAMMPS interpolates tables otherwise, and forces woul
 
 @dataclass(frozen=True)
 class SubStyle:
-    """One sub-style of ``pair_style hybrid/overlay``: its arguments, its ``pair_coeff`` lines and modifications."""
+    """One sub-style of ``pair_style hybrid/overlay``: its arguments, its ``pair_coeff`` lines and modifications.
+
+    ``instance`` counts sub-styles of one name from 1, and is 0 where there is one of it.
+    """
 
     name: str
     arguments: str
     coefficients: tuple[str, ...]
     modify: tuple[str, ...] = ()
+    instance: int = 0
+
+    @property
+    def label(self) -> str:
+        """Its name in ``pair_coeff`` and ``pair_modify``, with its number where there are several of it."""
+        return f"{self.name} {self.instance}" if self.instance else self.name
 
 
 def conservative_styles(scene: Scene, places: Places) -> list[SubStyle]:
@@ -152,7 +161,7 @@ def conservative_styles(scene: Scene, places: Places) -> list[SubStyle]:
         if pair.law is None:
             continue
         style, numbers = _style_of(pair, scene, places)
-        lines.setdefault(style, []).append(f"pair_coeff {_types(pair)} {style} {numbers}")
+        lines.setdefault(style, []).append(f"pair_coeff {types_of(pair.species)} {style} {numbers}")
     reach = max((pair.cutoff for pair in scene.pairs if pair.law is not None), default=scene.cutoff)
     modified = {entry.style: entry.modify for entry in PAIR_STYLES.values() if entry is not None and entry.modify}
     styles = []
@@ -182,7 +191,8 @@ def drag_styles(scene: Scene, seed: int) -> list[SubStyle]:
     rows = []
     for pair in dragged:
         across = "" if usual else f" 0.0 {power} {power}"
-        rows.append(f"pair_coeff {_types(pair)} {name} {number(pair.drag)}{across} {number(pair.drag_cutoff)}")
+        types = types_of(pair.species)
+        rows.append(f"pair_coeff {types} {name} {number(pair.drag)}{across} {number(pair.drag_cutoff)}")
     return [SubStyle(name, f"{energy} {energy} {number(reach)} {seed}", tuple(rows))]
 
 
@@ -209,6 +219,8 @@ def why_refused(law: str) -> str:
 def _style_of(pair: PairTerm, scene: Scene, places: Places) -> tuple[str, str]:
     """Return the style of a pair and its numbers."""
     assert pair.law is not None
+    if pair.law == "mdpd":  # its attraction; densities and their force are of many_body
+        return "harmonic/cut", " ".join(map(number, _attraction(pair)))
     entry = PAIR_STYLES.get(pair.law)
     names = "-".join(scene.species[k] for k in pair.species)
     if entry is None:
@@ -222,6 +234,11 @@ def _style_of(pair: PairTerm, scene: Scene, places: Places) -> tuple[str, str]:
         if numbers is not None:
             return entry.style, " ".join(map(number, numbers))
     return LEPTON, f'"{formula_of(pair)}" {number(pair.cutoff)}'
+
+
+def _attraction(pair: PairTerm) -> Numbers:
+    """Return the numbers of ½ A r_c (1 − r/r_c)² of a pair of the law mdpd."""
+    return 0.5 * pair.parameters[0] / pair.cutoff, pair.cutoff
 
 
 def _numbers(pair: PairTerm) -> dict[str, float]:
@@ -257,6 +274,7 @@ def _shifted_n_m(given: dict[str, float]) -> dict[str, float]:
     return {"E1": inner, "E2": outer, "slope": slope, "offset": offset}
 
 
-def _types(pair: PairTerm) -> str:
-    a, b = sorted(pair.species)
+def types_of(species: tuple[int, int]) -> str:
+    """Return the types of a pair of species, as ``pair_coeff`` has them."""
+    a, b = sorted(species)
     return f"{a + 1} {b + 1}"

@@ -14,7 +14,22 @@ from typing import Any
 
 from pydlpoly.errors import InputError, SceneError
 from pydlpoly.formats.control import read_control
-from pydlpoly.scene.model import Beads, Bonded, BondedTerm, Dynamics, Electrostatics, PairTerm, RunPlan, Scene
+from pydlpoly.scene.model import (
+    Beads,
+    Bonded,
+    BondedTerm,
+    DensityTerm,
+    Dynamics,
+    Electrostatics,
+    Heat,
+    HeatSource,
+    HeatTerm,
+    ManyBody,
+    PairTerm,
+    RunPlan,
+    Scene,
+)
+from pydlpoly.scene.transport_terms import Reaction, Region, SpeciesFlux, SpeciesValue, Transport
 
 _PLACE = re.compile(r"(?P<name>[^\s:;,]+):(?P<line>\d+)")
 
@@ -27,9 +42,9 @@ KNOWN: dict[type, frozenset[str]] = {
     Scene: _names(
         "title units species beads cell imcon periodic pairs external cutoff vdw_cutoff dynamics run output "
         "degrees_of_freedom long_range_correction molecule_names molecule_counts field_units notes sources "
-        "source_order source_cell bonded electrostatics"
+        "source_order source_cell bonded electrostatics many_body heat transport"
     ),
-    Beads: _names("species mass charge frozen molecule positions velocities"),
+    Beads: _names("species mass charge frozen molecule positions velocities temperature heat_capacity concentrations"),
     Dynamics: _names(
         "integrator timestep thermal_energy prediction weight_exponent tolerance passes thermostat_mass "
         "thermostat_friction relaxation remove_drift"
@@ -41,6 +56,16 @@ KNOWN: dict[type, frozenset[str]] = {
     Bonded: _names("terms excluded scaled scales coulomb_scaled coulomb_scales"),
     BondedTerm: _names("kind law parameters beads restraint molecule explanation"),
     Electrostatics: _names("method keyword shape length strength cutoff alpha permittivity counts order origins"),
+    ManyBody: _names("kernel form repulsion strength powers terms explanation"),
+    DensityTerm: _names("species height exponent range push"),
+    Heat: _names("terms sources held reference viscous_heating scaled_repulsion explanation"),
+    HeatTerm: _names("species conductivity range exponent weight conduction drag explanation"),
+    HeatSource: _names("kind numbers rate explanation"),
+    Transport: _names("species fluxes noise starts sources holds reactions"),
+    SpeciesFlux: _names("species dissolved rate range exponent noise explanation"),
+    SpeciesValue: _names("dissolved value region explanation"),
+    Reaction: _names("rate reactants change species equation explanation"),
+    Region: _names("kind numbers"),
 }
 """The fields that are translated, or that say nothing about the motion."""
 
@@ -114,6 +139,8 @@ def refuse_unknown(scene: Scene, places: Places) -> None:
             _refuse(term, lambda _name, text=term.explanation: places.of_text(text))  # type: ignore[misc]
     if scene.electrostatics is not None:
         _refuse(scene.electrostatics, lambda _name: places.of_setting("coul_method"))
+    for model in (scene.many_body, scene.heat, scene.transport):
+        _refuse_inside(model, places)
 
 
 def _explanation(value: Any) -> str:
@@ -126,6 +153,17 @@ def _explanation(value: Any) -> str:
     else:
         inside = value if isinstance(value, tuple) else ()
     return next((found for one in inside if (found := _explanation(one))), "")
+
+
+def _refuse_inside(part: Any, places: Places) -> None:
+    """Refuse what is not known of a part of the scene and of the parts in it."""
+    if type(part) not in KNOWN:
+        return
+    _refuse(part, lambda _name: places.of_text(_explanation(part)))
+    for field in dataclasses.fields(part):
+        value = getattr(part, field.name)
+        for one in value if isinstance(value, tuple) else (value,):
+            _refuse_inside(one, places)
 
 
 def _refuse(part: Any, place: Callable[[str], dict[str, Any]]) -> None:
