@@ -6,7 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from pydlpoly.engines.lammps_translate import noise_seed, translate
-from pydlpoly.engines.native import NativeEngine, long_range_tail
+from pydlpoly.engines.native import NativeEngine
+from pydlpoly.engines.native_scene import long_range_tail
 from pydlpoly.errors import InputError, RunError
 from pydlpoly.formats.atomic import atomic_file, replace_file
 from pydlpoly.formats.beads_file import write_beads

@@ -48,6 +48,7 @@ from pydlpoly.scene.beads_state import (
     dissolved_species,
     has_local_density,
 )
+from pydlpoly.scene.explain import explain
 from pydlpoly.scene.model import Precision, Scene
 from pydlpoly.scene.serialise import scene_to_arrays
 from pydlpoly.state import State, check_carried, check_motion
@@ -258,8 +259,6 @@ class Simulation:
 
     def explain(self) -> str:
         """Return the scene in words and tables, with the plan of this simulation's engine."""
-        from pydlpoly.scene.explain import explain  # as in Scene.explain
-
         return explain(self.scene, plan=self._engine.plan(), notes=self._engine.notes())
 
     @property

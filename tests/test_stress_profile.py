@@ -11,7 +11,7 @@ import pytest
 
 from pydlpoly import Scene, Simulation, load
 from pydlpoly.cli import example_folder
-from pydlpoly.engines.native import long_range_tail
+from pydlpoly.engines.native_scene import long_range_tail
 from pydlpoly.errors import InputError, SceneError
 from pydlpoly.reporters import StressCorrelations, StressProfile
 from pydlpoly.runner import run_scene

@@ -11,6 +11,7 @@ void bind_errors(pybind11::module_& m);     // exceptions of the core
 void bind_heat(pybind11::module_& m);       // heat that beads carry
 void bind_pair(pybind11::module_& m);       // pair laws, their tails and their mixing
 void bind_random(pybind11::module_& m);     // random numbers
+void bind_settings(pybind11::module_& m);   // pair tables and step settings
 void bind_system(pybind11::module_& m);     // the simulation
 void bind_transport(pybind11::module_& m);  // dissolved species
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bind/bind.hpp"
+#include "bind/require.hpp"
 #include "integrate/system.hpp"
 #include "meso/heat_exchange.hpp"
 #include "meso/heat_forces.hpp"
@@ -27,12 +28,6 @@ namespace {
 
 using Polynomial = HeatPair::Polynomial;
 using GivenSource = std::tuple<std::string, std::vector<double>, double>;
-
-void require(bool condition, const std::string& message) {
-    if (!condition) {
-        throw std::invalid_argument(message);
-    }
-}
 
 HeatSource make_source(const GivenSource& given) {
     const auto& [kind, numbers, rate] = given;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bind/bind.hpp"
+#include "bind/require.hpp"
 #include "integrate/system.hpp"
 #include "meso/region.hpp"
 #include "meso/species_transport.hpp"
@@ -20,12 +21,6 @@ namespace py = pybind11;
 namespace dlpoly::bind {
 
 namespace {
-
-void require(bool condition, const std::string& message) {
-    if (!condition) {
-        throw std::invalid_argument(message);
-    }
-}
 
 // What Python keeps a hold of while a system uses it.
 class TransportHandle {

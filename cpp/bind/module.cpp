@@ -11,6 +11,7 @@ PYBIND11_MODULE(_core, m) {
     dlpoly::bind::bind_bonded(m);
     dlpoly::bind::bind_charge(m);
     dlpoly::bind::bind_random(m);
+    dlpoly::bind::bind_settings(m);
     dlpoly::bind::bind_system(m);
     dlpoly::bind::bind_heat(m);
     dlpoly::bind::bind_transport(m);

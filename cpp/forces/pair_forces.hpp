@@ -92,8 +92,9 @@ class PairForces {
     void visit_row(const ListRow& row, const PairWalk& walk, PairWorker& worker);
     void add_curvature(const PairWalk& walk, PairWorker& worker) const;
     void finish_batch(const PairWalk& walk, PairWorker& worker);
-    void evaluate_motion(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const;
     void find_motion(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const;
+    // Drag and noise by formula: pair_motion.cpp.
+    void evaluate_motion(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const;
     void change_weights(const PairBatch& batch, BatchResult& result, double cutoff, double exponent) const;
     void add_drag_of_shear(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const;
     void find_worst(const PairWalk& walk, PairWorker& worker) const;

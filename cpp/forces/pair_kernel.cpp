@@ -8,18 +8,11 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/compiler.hpp"
 #include "forces/pair_phases.hpp"
 #include "forces/pair_table.hpp"
 #include "pair/registry.hpp"
 #include "pair/shift.hpp"
-
-#if defined(__GNUC__)
-#define DLPOLY_ALWAYS_INLINE [[gnu::always_inline]] inline
-#define DLPOLY_RESTRICT __restrict
-#else
-#define DLPOLY_ALWAYS_INLINE inline
-#define DLPOLY_RESTRICT
-#endif
 
 namespace dlpoly {
 

@@ -5,17 +5,10 @@
 #include <bit>
 #include <cmath>
 
+#include "core/compiler.hpp"
 #include "forces/pair_batch.hpp"
 #include "forces/pair_phases.hpp"
 #include "pair/arithmetic.hpp"
-
-#if defined(__GNUC__)
-#define DLPOLY_ALWAYS_INLINE [[gnu::always_inline]] inline
-#define DLPOLY_RESTRICT __restrict
-#else
-#define DLPOLY_ALWAYS_INLINE inline
-#define DLPOLY_RESTRICT
-#endif
 
 namespace dlpoly {
 

@@ -17,7 +17,8 @@ from pydlpoly.engines.lammps_state import LammpsState
 from pydlpoly.engines.lammps_team import JobTeam, ProcessTeam, Team, enter_job, switches_of
 from pydlpoly.engines.lammps_translate import Translation, noise_seed, translate
 from pydlpoly.engines.lammps_translate.carried import carried_of
-from pydlpoly.engines.native import NativeEngine, long_range_tail
+from pydlpoly.engines.native import NativeEngine
+from pydlpoly.engines.native_scene import long_range_tail
 from pydlpoly.engines.protocol import EngineOptions
 from pydlpoly.engines.totals import Totals
 from pydlpoly.errors import InputError, RunError

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
-from typing import IO
+from typing import IO, TypeVar
 
 from pydlpoly.errors import InputError, RunError
 
@@ -19,6 +19,7 @@ except ImportError:  # systems that are not POSIX
     fcntl = None  # type: ignore[assignment]
 
 PathLike = str | os.PathLike[str]
+_Self = TypeVar("_Self")
 
 
 @contextmanager
@@ -67,7 +68,25 @@ def replace_file(path: PathLike, content: bytes | str) -> None:
         handle.write(content.encode("utf-8") if isinstance(content, str) else content)
 
 
-class FrameFile:
+class Closing:
+    """Something that is closed at the end of a ``with`` block, whatever happens in it."""
+
+    def close(self) -> None:
+        """Close it; closing twice is harmless."""
+        raise NotImplementedError
+
+    def __enter__(self: _Self) -> _Self:
+        """Return what is open."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close it."""
+        self.close()
+
+
+class FrameFile(Closing):
     """A file that grows by whole frames: each frame is one write, so that a killed run leaves whole frames behind.
 
     Args:
@@ -150,15 +169,19 @@ class FrameFile:
         """Close the file; closing twice is harmless."""
         self._handle.close()
 
-    def __enter__(self) -> FrameFile:
-        """Return the open file."""
-        return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Close the file, whatever happened."""
-        self.close()
+class RecordWriter(Closing):
+    """A writer of a file of records or frames, ``_file``."""
+
+    _file: FrameFile
+
+    def sync(self) -> None:
+        """Wait until everything written is on the disk."""
+        self._file.sync()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
 
 
 def read_text(path: PathLike) -> str:

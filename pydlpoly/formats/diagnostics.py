@@ -9,14 +9,13 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from types import TracebackType
 from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pydlpoly.errors import InputError
-from pydlpoly.formats.atomic import FrameFile, PathLike, read_text
+from pydlpoly.formats.atomic import FrameFile, PathLike, RecordWriter, read_text
 from pydlpoly.formats.records import FloatArray
 
 
@@ -79,7 +78,7 @@ _TIME_AND_MECHANICS = {
 }
 
 
-class DiagnosticsWriter:
+class DiagnosticsWriter(RecordWriter):
     """Writes DIAGNOSTICS record by record; each is one write, so that a killed run leaves whole lines.
 
     Args:
@@ -139,24 +138,6 @@ class DiagnosticsWriter:
             for column, width in zip(self._columns[1:], self._widths[1:], strict=True)
         ]
         self._file.write((" ".join([f" {step:{self._widths[0]}d}", *cells]) + "\n").encode("ascii"))
-
-    def sync(self) -> None:
-        """Wait until all records are on the disk."""
-        self._file.sync()
-
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
-
-    def __enter__(self) -> DiagnosticsWriter:
-        """Return the open file."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Close the file, whatever happened."""
-        self.close()
 
     def _whole(self, handle: IO[bytes], header: bytes, keep_until: int | None) -> int:
         """How many bytes of an existing file are whole lines of steps up to ``keep_until``."""

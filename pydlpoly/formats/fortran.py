@@ -171,6 +171,15 @@ def parse_real(word: str) -> float:
     return float(text)
 
 
+def is_real(word: str) -> bool:
+    """Return whether ``parse_real`` reads the word."""
+    try:
+        parse_real(word)
+    except ValueError:
+        return False
+    return True
+
+
 def parse_reals(words: Sequence[str]) -> NDArray[np.float64]:
     """Read many real numbers as ``parse_real`` does, at the speed of plain ones when all are plain.
 

@@ -12,14 +12,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from types import TracebackType
 from typing import IO
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pydlpoly.errors import InputError
-from pydlpoly.formats.atomic import FrameFile, PathLike
+from pydlpoly.formats.atomic import FrameFile, PathLike, RecordWriter
 from pydlpoly.formats.fortran import (
     fortran_f,
     fortran_f_columns,
@@ -37,7 +36,7 @@ RECORD_BYTES = 73
 _LINE_FEED = ord("\n")
 
 
-class HistoryWriter:
+class HistoryWriter(RecordWriter):
     """Writes HISTORY frame by frame; each frame is one write, then the counters of record 2 are brought up to date.
 
     A kill between the two leaves whole frames with counters that are one behind; re-opening counts the frames anew.
@@ -131,24 +130,6 @@ class HistoryWriter:
         self._file.write(record(head) + lattice + beads.tobytes())
         self._frames += 1
         self._file.patch(RECORD_BYTES, self._counters(self._frames))
-
-    def sync(self) -> None:
-        """Wait until all frames are on the disk."""
-        self._file.sync()
-
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
-
-    def __enter__(self) -> HistoryWriter:
-        """Return the open file."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Close the file, whatever happened."""
-        self.close()
 
     def _template(self, species: Sequence[str], masses: ArrayLike, charges: ArrayLike) -> NDArray[np.uint8]:
         """The bytes of a frame's bead records, (N, records a bead, 73), with what never changes filled in."""

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from pydlpoly.errors import InputError, InputWarning
-from pydlpoly.formats.fortran import parse_real, parse_reals
+from pydlpoly.formats.fortran import is_real, parse_reals
 from pydlpoly.formats.frame import Beads
 from pydlpoly.formats.plain_lines import plain_heads, plain_vectors
 from pydlpoly.formats.records import FloatArray, IntArray
@@ -162,17 +162,9 @@ def _column(heads: list[list[str]], place: int, path: str, first_line: int, stri
     try:
         return parse_reals(words)
     except ValueError:
-        index = next(i for i, word in enumerate(words) if not _is_real(word))
+        index = next(i for i, word in enumerate(words) if not is_real(word))
         line = first_line + index * stride
         raise InputError("expected a number", path=path, line=line, word=words[index]) from None
-
-
-def _is_real(word: str) -> bool:
-    try:
-        parse_real(word)
-    except ValueError:
-        return False
-    return True
 
 
 def three_numbers(line: str) -> FloatArray | None:

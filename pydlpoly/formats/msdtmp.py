@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pydlpoly.errors import InputError
-from pydlpoly.formats.atomic import FrameFile, PathLike
+from pydlpoly.formats.atomic import FrameFile, PathLike, RecordWriter
 from pydlpoly.formats.fortran import (
     fortran_e,
     fortran_f,
@@ -52,7 +52,7 @@ class DisplacementFrame:
     temperatures: FloatArray
 
 
-class DisplacementWriter:
+class DisplacementWriter(RecordWriter):
     """Writes MSDTMP frame by frame; each frame is one write, then the counters of record 2 are brought up to date.
 
     Args:
@@ -96,14 +96,6 @@ class DisplacementWriter:
         self._file.write(record(head, RECORD_BYTES - 1) + self._beads.tobytes())
         self._frames += 1
         self._file.patch(RECORD_BYTES, self._counters(self._frames))
-
-    def sync(self) -> None:
-        """Wait until all frames are on the disk."""
-        self._file.sync()
-
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
 
     def _counters(self, frames: int) -> bytes:
         records = 2 + frames * (1 + self._count)

@@ -10,14 +10,13 @@ import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from types import TracebackType
 from typing import IO
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from pydlpoly.errors import RunError
-from pydlpoly.formats.atomic import FrameFile, PathLike
+from pydlpoly.formats.atomic import Closing, FrameFile, PathLike
 from pydlpoly.formats.averages import RollingAverages, RunningAverages
 from pydlpoly.formats.blocks import Estimate
 from pydlpoly.formats.fortran import fortran_e, fortran_f, fortran_i
@@ -85,7 +84,7 @@ class RunSummary:
     species_balance: Sequence[SpeciesBalance] = ()
 
 
-class OutputWriter:
+class OutputWriter(Closing):
     """Writes OUTPUT piece by piece.
 
     Args:
@@ -182,16 +181,6 @@ class OutputWriter:
         """Close the file; a stream stays open."""
         if self._file is not None:
             self._file.close()
-
-    def __enter__(self) -> OutputWriter:
-        """Return the open file."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Close the file, whatever happened."""
-        self.close()
 
     def _write(self, text: str) -> None:
         if self._file is not None:

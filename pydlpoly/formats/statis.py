@@ -11,13 +11,12 @@ import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from types import TracebackType
 from typing import IO
 
 import numpy as np
 
 from pydlpoly.errors import InputError
-from pydlpoly.formats.atomic import FrameFile, PathLike
+from pydlpoly.formats.atomic import FrameFile, PathLike, RecordWriter
 from pydlpoly.formats.fortran import fortran_e, fortran_i
 from pydlpoly.formats.records import FloatArray
 from pydlpoly.formats.statis_columns import (
@@ -94,7 +93,7 @@ class StatisticsRecord:
         return np.array([*scalars, *stress, *self.square_displacements, *self.variable_cell], dtype=np.float64)
 
 
-class StatisticsWriter:
+class StatisticsWriter(RecordWriter):
     """Writes STATIS record by record; each record is one write, so that a killed run leaves whole records.
 
     Args:
@@ -150,24 +149,6 @@ class StatisticsWriter:
             raise ValueError(f"{found}, {cell} numbers of the cell for {len(self._cell)} columns")
         text = _yaml_row(record, values) if self._yaml else _classic_record(record, values)
         self._file.write(text.encode("ascii"))
-
-    def sync(self) -> None:
-        """Wait until all records are on the disk."""
-        self._file.sync()
-
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
-
-    def __enter__(self) -> StatisticsWriter:
-        """Return the open file."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Close the file, whatever happened."""
-        self.close()
 
     def _yaml_header(self, title: str, energy_label: str) -> str:
         labels = ["step", "time", *(q.label for q in STATISTICS_NAMES), *(f"amsd {s}" for s in self._species)]

@@ -11,7 +11,7 @@ import numpy as np
 
 from pydlpoly.errors import InputError, suggest
 from pydlpoly.formats.atomic import PathLike, read_text
-from pydlpoly.formats.fortran import parse_real, parse_reals
+from pydlpoly.formats.fortran import is_real, parse_reals
 from pydlpoly.formats.records import FloatArray, IntArray
 from pydlpoly.formats.statis_columns import STATISTICS_NAMES, VARIABLE_CELL_LABELS, VARIABLE_CELL_NAMES
 
@@ -135,7 +135,7 @@ def _values_in_record(head: list[str], path: str) -> int:
 def _first_bad_word(lines: list[str], path: str) -> InputError:
     for number, line in enumerate(lines[2:], 3):
         for word in line.split():
-            if not _is_real(word):
+            if not is_real(word):
                 return InputError("expected a number", path=path, line=number, word=word)
     return InputError("expected numbers", path=path)
 
@@ -218,16 +218,8 @@ def _yaml_numbers(text: str, path: str, line: int) -> FloatArray:
     try:
         return parse_reals(words)
     except ValueError:
-        bad = next(word for word in words if not _is_real(word))
+        bad = next(word for word in words if not is_real(word))
         raise InputError("expected a number", path=path, line=line, word=bad) from None
-
-
-def _is_real(word: str) -> bool:
-    try:
-        parse_real(word)
-    except ValueError:
-        return False
-    return True
 
 
 def _columns_of_labels(labels: list[str], width: int, path: str) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pydlpoly.errors import InputError
-from pydlpoly.formats.atomic import FrameFile, PathLike, read_text, replace_file
+from pydlpoly.formats.atomic import FrameFile, PathLike, RecordWriter, read_text, replace_file
 from pydlpoly.formats.fortran import fortran_e, fortran_f, fortran_i, parse_real, parse_reals
 from pydlpoly.formats.records import FloatArray
 
@@ -62,7 +62,7 @@ def write_correlation(path: PathLike, title: str, data_set: VelocityCorrelation)
     replace_file(path, f"{_title(title)}\n{text}")
 
 
-class CorrelationWriter:
+class CorrelationWriter(RecordWriter):
     """Appends data sets to a file; each is one write.
 
     Args:
@@ -90,14 +90,6 @@ class CorrelationWriter:
         one = data_set
         text = correlation_text(one.species, one.at_origin, one.origin, one.times, one.values)
         self._file.write(f"{text}\n\n\n".encode())
-
-    def sync(self) -> None:
-        """Wait until everything is on the disk."""
-        self._file.sync()
-
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
 
 
 def read_correlations(path: PathLike) -> tuple[VelocityCorrelation, ...]:

@@ -10,11 +10,11 @@ import numpy as np
 
 from pydlpoly.drawing import STYLES, axis_label, banded, legend, new_axes
 from pydlpoly.formats.cor import Correlation, Derived
-from pydlpoly.multiple_tau import running_integral
 from pydlpoly.report.collect import Run
 from pydlpoly.report.evidence import with_error
 from pydlpoly.report.series import Average
 from pydlpoly.report.style import Drawing, Table, table_of
+from pydlpoly.reporters.multiple_tau import running_integral
 
 _SHEAR = re.compile(r"stress_(xy|xz|yz)-stress_(?P<same>\1)")
 

@@ -8,11 +8,12 @@ import numpy as np
 
 from pydlpoly.formats.diagnostics import DiagnosticsWriter
 from pydlpoly.observation import STRESS_PARTS
+from pydlpoly.reporters.file_reporter import FileReporter
 from pydlpoly.reporters.schedule import every
 from pydlpoly.simulation import Simulation
 
 
-class DiagnosticsReporter:
+class DiagnosticsReporter(FileReporter[DiagnosticsWriter]):
     """Writes DIAGNOSTICS."""
 
     def __init__(self, simulation: Simulation, path: Path, *, append: bool = False) -> None:
@@ -55,11 +56,3 @@ class DiagnosticsReporter:
                 "conserved_energy": seen.energy["conserved"] / per_bead,
             }
         self._writer.write(seen.step, record)
-
-    def sync(self) -> None:
-        """Force everything written so far to the disk."""
-        self._writer.sync()
-
-    def close(self) -> None:
-        """Close the file."""
-        self._writer.close()

@@ -8,11 +8,12 @@ import numpy as np
 
 from pydlpoly.formats.msdtmp import DisplacementWriter
 from pydlpoly.reporters.configuration import bead_names
+from pydlpoly.reporters.file_reporter import FileReporter
 from pydlpoly.reporters.schedule import every
 from pydlpoly.simulation import Simulation
 
 
-class DisplacementReporter:
+class DisplacementReporter(FileReporter[DisplacementWriter]):
     """Writes MSDTMP: how far every bead is from where it started, and its temperature m v²/(3 k_B).
 
     Args:
@@ -40,11 +41,3 @@ class DisplacementReporter:
         squares = np.sum(simulation.velocities**2, axis=1)
         temperatures = scene.beads.mass * squares / (3.0 * scene.units.boltzmann)
         self._writer.write(simulation.step, simulation.time, scene.dynamics.timestep, moved, temperatures)
-
-    def sync(self) -> None:
-        """Force everything written so far to the disk."""
-        self._writer.sync()
-
-    def close(self) -> None:
-        """Close the file."""
-        self._writer.close()

@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from pydlpoly.formats.statis import StatisticsWriter
+from pydlpoly.reporters.file_reporter import FileReporter
 from pydlpoly.reporters.schedule import every
 from pydlpoly.reporters.statistics_record import statistics_record, variable_cell_columns
 from pydlpoly.simulation import Simulation
 
 
-class StatisticsReporter:
+class StatisticsReporter(FileReporter[StatisticsWriter]):
     """Writes STATIS."""
 
     def __init__(self, simulation: Simulation, path: Path, *, append: bool = False) -> None:
@@ -36,11 +37,3 @@ class StatisticsReporter:
     def report(self, simulation: Simulation) -> None:
         """Write one record."""
         self._writer.write(statistics_record(simulation))
-
-    def sync(self) -> None:
-        """Force everything written so far to the disk."""
-        self._writer.sync()
-
-    def close(self) -> None:
-        """Close the file."""
-        self._writer.close()

@@ -9,11 +9,12 @@ import numpy as np
 from pydlpoly.background import BackgroundWriter
 from pydlpoly.formats.history import HistoryWriter
 from pydlpoly.reporters.configuration import bead_names
+from pydlpoly.reporters.file_reporter import FileReporter
 from pydlpoly.reporters.schedule import every
 from pydlpoly.simulation import Simulation
 
 
-class TrajectoryReporter:
+class TrajectoryReporter(FileReporter[BackgroundWriter]):
     """Writes HISTORY, while the simulation goes on: see ``BackgroundWriter`` for when errors are raised."""
 
     def __init__(self, simulation: Simulation, path: Path, *, append: bool = False) -> None:
@@ -52,11 +53,3 @@ class TrajectoryReporter:
             forces=state.forces if self._level >= 2 else None,
             displacements=np.linalg.norm(simulation.displacements(), axis=1),
         )
-
-    def sync(self) -> None:
-        """Wait until all frames are on the disk. Raises RunError when one could not be written."""
-        self._writer.sync()
-
-    def close(self) -> None:
-        """Write what waits and close the file. Raises RunError when a frame could not be written."""
-        self._writer.close()

@@ -8,12 +8,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from itertools import islice
-from types import TracebackType
 from typing import Any
 
 import numpy as np
 
 from pydlpoly.errors import InputError
+from pydlpoly.formats.atomic import Closing
 from pydlpoly.formats.frame import Frame
 from pydlpoly.formats.history_sample import HistorySample, chosen
 from pydlpoly.formats.records import IntArray
@@ -54,7 +54,7 @@ class Topology:
     links: Mapping[str, Links] = field(default_factory=dict)
 
 
-class Writer(ABC):
+class Writer(Closing, ABC):
     """A trajectory that grows frame by frame. After a kill every finished frame can be read, and more can follow.
 
     Constructors take the file's path, a frame ``like`` those that will be written (its beads, level, periodicity and
@@ -71,7 +71,7 @@ class Writer(ABC):
     def write(self, frame: Frame) -> None:
         """Append one frame. Raises InputError when it differs from the first in beads or in what it holds."""
 
-    def accepts(self, step: int) -> None:  # noqa: B027  # most formats take any step
+    def accepts(self, step: int) -> None:  # most formats take any step
         """Raise InputError when the next frame cannot be of this step."""
 
     @abstractmethod
@@ -99,16 +99,6 @@ class Writer(ABC):
             words = [", ".join(one) or "positions alone" for one in (held, expected)]
             message = f"the frame of step {frame.step} holds {words[0]}, the first {words[1]}"
             raise InputError(message, path=self.path)
-
-    def __enter__(self) -> Writer:
-        """Return the open file."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Close the file, whatever happened."""
-        self.close()
 
 
 class Reader(ABC):
