@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from pydlpoly.bin_reporter import bin_reporters
+from pydlpoly.bin_reporter import BinReporter, bin_reporters
 from pydlpoly.callbacks import CallbackFunction
 from pydlpoly.correlations import StressCorrelations
 from pydlpoly.errors import InputError, RunError
@@ -52,6 +52,8 @@ _PARTS = {  # of the loop over steps, in the words of OUTPUT
     DisplacementReporter.__name__: "of which MSDTMP",
     StressProfile.__name__: "of which STRPRF",
     StressCorrelations.__name__: "of which COR",
+    BinReporter.__name__: "of which PROFILE, MAP",
+    FormatsReporter.__name__: "of which trajectory",
     CheckpointReporter.__name__: "of which checkpoints",
 }
 
