@@ -208,7 +208,8 @@ def _in_words(series: Series) -> str:
         return f"has no average: no record after the equilibration; its last value is {last:.5g} {series.unit}".rstrip()
     unit = f" {series.unit}" if series.unit else ""
     error = "" if average.known else " (too few for an error)"
-    return f"{with_error(average)}{unit}, the mean of {average.samples} records{error}"
+    records = "record" if average.samples == 1 else "records"
+    return f"{with_error(average)}{unit}, the mean of {average.samples} {records}{error}"
 
 
 def _table(run: Run, shown: list[Series], labels: list[str] | None = None) -> Table | None:

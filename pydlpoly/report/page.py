@@ -172,7 +172,7 @@ def _facts(run: Run) -> list[tuple[str, str]]:
     if run.log is not None and run.log.threads is not None:
         facts += [("threads", str(run.log.threads)), ("seed", str(run.log.seed))]
     words = ("reduced, k_B = 1",) if units.reduced else (units.energy, "K", "katm", "ps", "Å")
-    facts.append(("units", ", ".join(word for word in words if word)))
+    facts.append(("units", ", ".join(dict.fromkeys(word for word in words if word))))
     return facts
 
 
