@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pydlpoly import Simulation
 from pydlpoly.drawing import by_lightness
 from pydlpoly.formats.config import read_config
 from pydlpoly.formats.statis import read_statistics
@@ -232,6 +233,7 @@ def test_balance_of_a_run_without_an_end_is_that_of_its_checkpoint(folder: Path,
     (tmp_path / "OUTPUT").write_text(text[: text.index("run terminated")])
     found = collect_run(tmp_path)
     assert found.balance_file == "REVIVE"
+    assert found.balance == Simulation.resume(tmp_path / "REVIVE").species_balance()
     for one, other in zip(found.balance, run.balance, strict=True):
         assert (one.start, one.sources, one.reactions, one.now) == pytest.approx(
             (other.start, other.sources, other.reactions, other.now), rel=1e-7
