@@ -32,6 +32,7 @@ _LINES = (
     ("#8A6000", (0, (9, 3)), "P"),
 )
 STYLES = len(_LINES)
+_SHADES = 64
 FAINT, BAND = "#7a8794", "#9fc4de"
 
 
@@ -77,20 +78,22 @@ def new_axes(height: float = HEIGHT, rows: int = 1) -> tuple[Figure, list[Axes]]
     return figure, list(axes[:, 0])
 
 
-def line(axes: Axes, k: int, x: FloatArray, y: FloatArray, label: str) -> None:
-    """Draw curve number ``k``: its own colour, dashes and markers."""
+def line(axes: Axes, k: int, x: FloatArray, y: FloatArray, label: str, *, points: bool = False) -> None:
+    """Draw curve number ``k``: its own colour, dashes and markers, which ``points`` puts on every point."""
     colour, dashes, marker = _LINES[k % STYLES]
     x, y = thinned(x, y)
-    every = max(1, len(x) // 8)
+    every = 1 if points else max(1, len(x) // 8)
     start = (k * every // STYLES) % max(1, len(x))
     axes.plot(x, y, color=colour, linestyle=dashes, marker=marker, markevery=(start, every), label=label)
 
 
-def banded(axes: Axes, k: int, x: FloatArray, y: FloatArray, error: FloatArray | None, label: str) -> None:
+def banded(
+    axes: Axes, k: int, x: FloatArray, y: FloatArray, error: FloatArray | None, label: str, *, points: bool = False
+) -> None:
     """Draw curve number ``k`` over a band of its standard errors, where they are known."""
     if error is not None and np.isfinite(error).any():
         axes.fill_between(x, y - error, y + error, color="#c9ced4", alpha=0.6, linewidth=0.0)
-    line(axes, k, x, y, label)
+    line(axes, k, x, y, label, points=points)
 
 
 def legend(axes: Axes) -> None:
@@ -124,7 +127,7 @@ def by_lightness() -> Colormap:
     from matplotlib import colormaps
     from matplotlib.colors import ListedColormap
 
-    return ListedColormap(colormaps["YlGnBu"](np.linspace(0.05, 0.85, 256)))
+    return ListedColormap(colormaps["YlGnBu"](np.linspace(0.05, 0.85, _SHADES)))
 
 
 def axis_label(text: str, unit: str) -> str:

@@ -23,6 +23,7 @@ from pydlpoly.formats.atomic import sole_writer
 from pydlpoly.formats.output import RunSummary
 from pydlpoly.interrupts import deferred_signals
 from pydlpoly.reporters import (
+    BinReporter,
     CheckpointReporter,
     DensityReporter,
     DiagnosticsReporter,
@@ -55,6 +56,8 @@ _PARTS = {  # of the loop over steps, in the words of OUTPUT
     DisplacementReporter.__name__: "of which MSDTMP",
     StressProfile.__name__: "of which STRPRF",
     StressCorrelations.__name__: "of which COR",
+    BinReporter.__name__: "of which PROFILE, MAP",
+    FormatsReporter.__name__: "of which trajectory",
     CheckpointReporter.__name__: "of which checkpoints",
 }
 

@@ -12,7 +12,9 @@ import yaml
 
 from pydlpoly import Simulation, load
 from pydlpoly.errors import InputError, SceneError
+from pydlpoly.formats.blocks import standard_error
 from pydlpoly.formats.cor import Correlation, Derived, write_correlations
+from pydlpoly.formats.cor import read_cor as read_cor_file
 from pydlpoly.reporters import StressCorrelations
 from pydlpoly.reporters.stress_correlations import has_pair_noise
 from pydlpoly.runner import run_scene
@@ -206,6 +208,25 @@ def test_cor_reads_as_yaml(tmp_path: Path) -> None:
     assert read["correlations"]["stress_xy-stress_xy"]["parameters"]["points_per_block"] == 3
     assert [float(x) for x in read["correlations"]["stress_xy-stress_xy"]["value"]] == [2.0, -1e-30]
     assert float(read["observables"]["viscosity"]["value"]) == 0.5
+
+
+def test_errors_are_those_of_blocks_of_time(tmp_path: Path) -> None:
+    """COR has them as soon as there are four blocks, of 256 samples each."""
+    simulation = Simulation(make_scene({"A": 100}, WATER, cell=3.5), seed=3)
+    correlations = StressCorrelations(simulation, [CorrelationTerm((0, 1), (0, 1), 4)], path=tmp_path / "COR")
+    simulation.reporters.append(correlations)
+    simulation.run(600)
+    correlations.sync()
+    assert "error" not in (tmp_path / "COR").read_text().split("correlations:")[1]
+    assert np.isnan(correlations.correlation_error()).all()
+    simulation.run(500)
+    correlations.sync()
+    table = read_cor_file(tmp_path / "COR")
+    np.testing.assert_allclose(table.correlations[0].errors, correlations.correlation_error(), rtol=1e-8)
+    blocks = correlations._place(correlations.terms[0])[0].block_values()[:, :, 0]
+    assert len(blocks) == 4
+    expected = [standard_error(column) for column in blocks.T]
+    np.testing.assert_allclose(correlations.correlation_error(), expected, rtol=1e-12)
 
 
 def test_a_run_that_continues_has_the_same_correlations(tmp_path: Path) -> None:

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
 GROUPS = ("density", "mass-density", "velocity", "temperature", "concentration", "local-density", "other")
 """What can be one picture, in the order of the files."""
-MOST_PANELS = 6
 _WORDS = {
     "density": "number density",
     "mass-density": "mass density",
@@ -38,7 +37,8 @@ _SINGLE = {
     "temperature": "temperature",
     "local_density": "local-density",
 }
-_LINES, _BLOCKS = 6, 12  # contour levels; parts of a map along each axis that contours are drawn through
+_LINES, _BLOCKS = 5, 12  # contour levels; parts of a map along each axis that contours are drawn through
+_FLATTEST, _TALLEST = 0.4, 1.6  # height over width of a map
 _STRUCTURE = 2.0  # by how much more means of parts must vary than those of independent bins would
 
 
@@ -82,6 +82,8 @@ def draw_map(figure: Figure, axes: Axes, table: BinnedTable, name: str) -> Float
     Contours go through means of neighbouring bins, and there are none where these differ by no more than chance has
     bins differ. Bins that never held a bead are hatched.
     """
+    from matplotlib.ticker import MaxNLocator
+
     values = table[name]
     across, along = table.centres
     axes.set_facecolor("#f4f6f8")
@@ -89,18 +91,31 @@ def draw_map(figure: Figure, axes: Axes, table: BinnedTable, name: str) -> Float
     axes.patch.set_edgecolor("#c9ced4")
     shown = np.ma.masked_invalid(values.T)
     image = axes.pcolormesh(across, along, shown, shading="nearest", cmap=by_lightness(), rasterized=True)
-    axes.set_aspect("equal")
+    axes.set_aspect("equal" if to_scale(table) else "auto")
     axes.grid(visible=False)
     axes.set_xlabel(labelled(table, table.axes[0]))
-    axes.set_ylabel(labelled(table, table.axes[1]))
-    figure.colorbar(image, ax=axes, location="top", label=labelled(table, name), aspect=40, pad=0.02)
+    upwards = labelled(table, table.axes[1])
+    axes.set_ylabel(upwards, rotation="vertical" if len(upwards) > 1 else "horizontal")
+    bar = figure.colorbar(image, ax=axes, location="top", label=labelled(table, name), aspect=40, pad=0.02)
+    bar.locator = MaxNLocator(5)
+    bar.update_ticks()
     return _contours(axes, table, values)
 
 
 def map_height(table: BinnedTable) -> float:
     """Return how many inches high one map is in a figure of our width."""
+    return 1.25 + 0.83 * WIDTH * min(max(_shape(table), _FLATTEST), _TALLEST)
+
+
+def to_scale(table: BinnedTable) -> bool:
+    """Return whether a map is drawn with the same scale along both axes; long narrow ones are not."""
+    return _FLATTEST <= _shape(table) <= _TALLEST
+
+
+def _shape(table: BinnedTable) -> float:
+    """Height over width."""
     wide, high = (float(np.ptp(middles)) * len(middles) / max(len(middles) - 1, 1) for middles in table.centres)
-    return 1.25 + min(max(0.83 * WIDTH * high / max(wide, 1e-30), 0.6), 5.0)
+    return high / wide if wide > 0.0 else 1.0
 
 
 def panels_of(names: Sequence[str], most: int) -> list[tuple[str, ...]]:

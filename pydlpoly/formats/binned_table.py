@@ -106,13 +106,15 @@ def read_binned(path: PathLike) -> BinnedTable:
     names = lines[3].removeprefix("# ").split()
     shape = tuple(int(number) for number in counts[1].split(" x "))
     axes, bins = tuple(names[: len(shape)]), int(np.prod(shape))
+    rows = [line for line in lines[4:] if line.strip()]
+    whole = sum(len(row.split()) == len(names) for row in rows)
+    if whole != bins or len(rows) != bins:
+        expected = f"expected {bins} lines of {len(names)} numbers, found {whole}"
+        raise InputError(f"is cut short or damaged: {expected}", path=place)
     try:
-        table = np.loadtxt(lines[4:], ndmin=2)
+        table = np.loadtxt(rows, ndmin=2)
     except ValueError as error:
         raise InputError(f"cannot be read: {error}", path=place) from error
-    if table.shape != (bins, len(names)):
-        expected = f"expected {bins} lines of {len(names)} numbers"
-        raise InputError(f"is cut short or damaged: {expected}", path=place)
     values: dict[str, FloatArray] = {}
     errors: dict[str, FloatArray] = {}
     last = ""

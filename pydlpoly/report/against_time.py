@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pydlpoly.drawing import BAND, FAINT, HEIGHT, axis_label, legend, line, new_axes, thinned
+from pydlpoly.formats.records import FloatArray
 from pydlpoly.report.collect import Run
 from pydlpoly.report.evidence import momentum_goes_to, thermal_momentum, with_error
 from pydlpoly.report.series import Average, Series, all_series, pick
@@ -180,7 +181,7 @@ def _limits(axes: Axes, shown: list[Series], *values: float | None) -> None:
     known = np.concatenate([*inside, np.array([value for value in values if value is not None])])
     # The spread of values step by step of the configurational temperature is of no interest.
     if len(shown) > 1:
-        weighted = [one.running()[1] if one.weights is not None else x for one, x in zip(shown, inside, strict=True)]
+        weighted = [_settled(one) if one.weights is not None else x for one, x in zip(shown, inside, strict=True)]
         known = np.concatenate([*weighted, np.array([value for value in values if value is not None])])
     known = known[np.isfinite(known)]
     if len(known) < 2 or not np.ptp(known) > 0.0:
@@ -194,6 +195,12 @@ def _limits(axes: Axes, shown: list[Series], *values: float | None) -> None:
         axes.text(1.0, 1.0, f"{outside} outside", transform=axes.transAxes, ha="right", va="top", fontsize=8.5)
 
 
+def _settled(series: Series) -> FloatArray:
+    """Running averages without the first fifth, in which a start far from equilibrium may rule."""
+    means = series.running()[1]
+    return means[len(means) // 5 :]
+
+
 def _in_words(series: Series) -> str:
     average = series.average()
     if not average.samples:
@@ -201,7 +208,8 @@ def _in_words(series: Series) -> str:
         return f"has no average: no record after the equilibration; its last value is {last:.5g} {series.unit}".rstrip()
     unit = f" {series.unit}" if series.unit else ""
     error = "" if average.known else " (too few for an error)"
-    return f"{with_error(average)}{unit}, the mean of {average.samples} records{error}"
+    records = "record" if average.samples == 1 else "records"
+    return f"{with_error(average)}{unit}, the mean of {average.samples} {records}{error}"
 
 
 def _table(run: Run, shown: list[Series], labels: list[str] | None = None) -> Table | None:

@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pydlpoly.analysis.profile import labelled
 from pydlpoly.analysis.profile_plot import (
-    MOST_PANELS,
     curve_label,
     draw_map,
     draw_profiles,
+    group_of,
     grouped,
     map_height,
     panels_of,
+    to_scale,
 )
 from pydlpoly.drawing import HEIGHT, STYLES, WIDTH, new_axes
 from pydlpoly.formats.binned_table import BinnedTable
 from pydlpoly.report.collect import Run
 from pydlpoly.report.style import Drawing, Table, table_of
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
+MOST_MAPS = 16
 _TITLES = {
     "density": "density",
     "mass-density": "mass density",
@@ -76,34 +74,40 @@ def profile(run: Run, group: str) -> Drawing | None:
     return Drawing(f"profile-{group}", title, figure, " ".join(words), table_of(head, columns, 16))
 
 
-def averages_in_plane(run: Run, group: str) -> Drawing | None:
-    """One group of quantities of MAP over its plane."""
+def averages_in_plane(run: Run, quantity: str) -> Drawing | None:
+    """One quantity of MAP over its plane."""
     table = run.bead_map
-    names = _members(table, group)
-    if table is None or not names:
+    group = group_of(quantity)
+    if table is None or quantity not in _members(table, group):
         return None
-    shown = names[:MOST_PANELS]
-    figure = _stacked(table, len(shown))
-    lines: list[str] = []
-    plain: list[str] = []
-    for axes, name in zip(figure.axes, shown, strict=True):
-        levels = draw_map(figure, axes, table, name)
-        (lines if len(levels) else plain).append(curve_label(name, group))
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(WIDTH, map_height(table)), layout="constrained")
+    levels = draw_map(figure, figure.subplots(), table, quantity)
     bins = " x ".join(str(len(middles)) for middles in table.centres)
+    word = quantity.replace("_", " ")
+    meaning = f"{_MEANING[group]} ({word})" if word.lower() != _MEANING[group].lower() else _MEANING[group]
     words = [
-        f"{_MEANING[group]} in the plane of {' and '.join(table.axes)} in {bins} bins, from {run.map_file}, "
-        f"{_samples(table)}: {_ranges(table, group, names)}. Pale is low, dark is high.",
+        f"{meaning} in the plane of {' and '.join(table.axes)} in {bins} bins, from {run.map_file}, {_samples(table)}: "
+        f"{np.nanmin(table[quantity]):.4g} to {np.nanmax(table[quantity]):.4g}{_unit(table, quantity)}. "
+        "Pale is low, dark is high.",
+        "Lines are contours with their values, drawn through means of neighbouring bins."
+        if len(levels)
+        else "No contours: means of neighbouring bins vary no more than those of chance would.",
+        *([] if to_scale(table) else ["The axes have different scales."]),
+        *_remarks(table, [quantity]),
     ]
-    if lines:
-        words.append("Lines are contours with their values, drawn through means of neighbouring bins.")
-    if plain:
-        told = "" if not lines else f" of {', '.join(plain)}"
-        words.append(f"No contours{told}: means of neighbouring bins vary no more than those of chance would.")
-    words += _remarks(table, names)
-    if len(shown) < len(names):
-        words.append(f"The first {len(shown)} of {len(names)} quantities are drawn.")
-    title = f"Map: {_TITLES[group]}"
-    return Drawing(f"map-{group}", title, figure, " ".join(words), _extremes(table, group, names))
+    left = len(maps_of(run)) - MOST_MAPS
+    if left > 0 and quantity == maps_of(run)[MOST_MAPS - 1]:
+        words.append(f"{left} more quantities are not drawn.")
+    return Drawing(f"map-{quantity}", f"Map: {word}", figure, " ".join(words), _extremes(table, quantity))
+
+
+def maps_of(run: Run) -> list[str]:
+    """Return the quantities of MAP that can be drawn."""
+    if run.bead_map is None:
+        return []
+    return [name for group in grouped(run.bead_map) for name in _members(run.bead_map, group)]
 
 
 def _members(table: BinnedTable | None, group: str) -> Sequence[str]:
@@ -116,14 +120,6 @@ def _members(table: BinnedTable | None, group: str) -> Sequence[str]:
         if np.allclose(mass * number.sum(), number * mass.sum(), rtol=1e-6):
             return ()
     return names
-
-
-def _stacked(table: BinnedTable, count: int) -> Figure:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH, map_height(table) * count), layout="constrained")
-    figure.subplots(count, 1)
-    return figure
 
 
 def _samples(table: BinnedTable) -> str:
@@ -158,17 +154,13 @@ def _have(count: int) -> str:
     return "has" if count == 1 else "have"
 
 
-def _extremes(table: BinnedTable, group: str, names: Sequence[str]) -> Table:
-    """Lowest, mean and highest value of each map, and where."""
-    rows = []
-    for name in names:
-        values = table[name]
-        cells = [curve_label(name, group)]
-        for find in (np.nanargmin, np.nanargmax):
-            place = np.unravel_index(int(find(values)), values.shape)
-            at = ", ".join(f"{middles[k]:.3g}" for middles, k in zip(table.centres, place, strict=True))
-            cells.append(f"{values[place]:.5g} at ({at})")
-        cells.insert(2, f"{np.nanmean(values):.5g}")
-        rows.append(tuple(cells))
-    head = ("quantity", "lowest", "mean of the bins", "highest")
-    return Table(head, tuple(rows))
+def _extremes(table: BinnedTable, quantity: str) -> Table:
+    """Lowest, mean and highest value of a map, and where."""
+    values = table[quantity]
+    cells = []
+    for find in (np.nanargmin, np.nanargmax):
+        place = np.unravel_index(int(find(values)), values.shape)
+        at = ", ".join(f"{middles[k]:.3g}" for middles, k in zip(table.centres, place, strict=True))
+        cells.append(f"{values[place]:.5g} at ({at})")
+    head = ("lowest", "mean of the bins", "highest")
+    return Table(head, ((cells[0], f"{np.nanmean(values):.5g}", cells[1]),))

@@ -47,7 +47,10 @@ def cell(run: Run) -> Drawing | None:
         legend(axes)
     rows[-1].set_xlabel(axis_label("time", run.units.of("time")))
     every = [curve for _, curves in panels for curve in curves]
-    told = ", ".join(f"{name} {values[0]:.5g} at first, {values[-1]:.5g} at last" for name, values in every)
+    told = "; ".join(
+        f"{name} {values[0]:.5g} at first, {values[-1]:.5g} at last, {values.min():.5g} to {values.max():.5g} in all"
+        for name, values in every
+    )
     unit = run.units.of("length")
     units = f" (edges in {unit}, angles in degrees)" if unit else " (angles in degrees)" if angles else ""
     head = [axis_label("time", run.units.of("time")), *(name for name, _ in every)]

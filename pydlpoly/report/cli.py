@@ -12,7 +12,7 @@ from pydlpoly.drawing import look
 from pydlpoly.errors import InputError, RunError, suggest
 from pydlpoly.report.against_time import one_quantity
 from pydlpoly.report.collect import collect_run
-from pydlpoly.report.figures import FIGURES, draw
+from pydlpoly.report.figures import FIGURES, draw, figures_of
 from pydlpoly.report.page import write_report
 from pydlpoly.report.series import all_series
 from pydlpoly.report.style import check_packages
@@ -60,21 +60,21 @@ def plot_command(
     check_packages()
     run = collect_run(folder, inputs)
     if quantity is None:
-        names = [name for name in FIGURES if draw(run, name) is not None]
+        names = [name for name in figures_of(run) if draw(run, name) is not None]
         typer.echo("figures: " + ", ".join(names or ["none"]))
         typer.echo("columns: " + ", ".join(list(all_series(run)) or ["none"]))
         return
     path = output if output is not None else Path(f"{quantity}.png")
     if path.suffix not in _ENDINGS:
         raise InputError(f"expected a name that ends with {', '.join(_ENDINGS)}", path=str(path))
-    drawing = draw(run, quantity) if quantity in FIGURES else None
+    drawing = draw(run, quantity) if quantity in figures_of(run) else None
     if drawing is None:  # a volume that does not vary, for one, is no figure of the report
         with look():
             drawing = one_quantity(run, quantity)
     if drawing is None:
         if quantity in FIGURES:
             raise InputError("the files of this folder do not hold it", path=str(folder), word=quantity)
-        near = suggest(quantity, [*FIGURES, *all_series(run)])
+        near = suggest(quantity, [*figures_of(run), *all_series(run)])
         raise InputError(f"is nothing that can be drawn here{near}", path=str(folder), word=quantity)
     drawing.figure.set_dpi(_DOTS_PER_INCH)
     with look():

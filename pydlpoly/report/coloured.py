@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,65 +26,55 @@ from pydlpoly.scene.beads_state import CONCENTRATION, TEMPERATURE
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_MOST = 3  # pictures below each other
-_SCALE, _LABEL = 0.12, 0.55  # inches of the scale above a picture, and of its numbers and label
+MOST_SPECIES = 6
+_SCALE, _LABEL = 0.12, 0.55  # inches of the scale above the picture, and of its numbers and label
 
 
-def by_temperature(run: Run) -> Drawing | None:
-    """Beads in shades of their internal temperatures."""
-    names = [TEMPERATURE] if run.carried is not None and TEMPERATURE in run.carried.values else []
-    unit = run.units.of("temperature")
-    return _drawing(run, names, "last-temperature", "internal temperature", unit)
+def carried_by(run: Run) -> list[str]:
+    """Return the names of what can be drawn: "temperature", "concentration_NAME"."""
+    return list(run.carried.values) if run.carried is not None and run.has_output else []
 
 
-def by_concentration(run: Run) -> Drawing | None:
-    """Beads in shades of how much of each dissolved species they have."""
-    names = [name for name in (run.carried.values if run.carried is not None else ()) if name.startswith(CONCENTRATION)]
-    return _drawing(run, names, "last-concentration", "concentrations", "")
-
-
-def _drawing(run: Run, names: Sequence[str], name: str, title: str, unit: str) -> Drawing | None:
+def by_value(run: Run, quantity: str) -> Drawing | None:
+    """Beads in shades of what they carry."""
     snapshot = run.carried
-    if snapshot is None or not names or not run.has_output:
+    if snapshot is None or quantity not in carried_by(run):
         return None
-    finite = np.isfinite(snapshot.positions).all(axis=1)
-    for one in names:
-        finite &= np.isfinite(snapshot.values[one])
+    finite = np.isfinite(snapshot.positions).all(axis=1) & np.isfinite(snapshot.values[quantity])
     if not finite.any():
         return None
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
 
-    places = wrapped(snapshot)[finite]
+    places, values = wrapped(snapshot)[finite], snapshot.values[quantity][finite]
     corners = corners_of(snapshot, places)
-    high, shown = height_of(corners), names[:_MOST]
-    total = (high + _SCALE + _LABEL) * len(shown) + 0.05
+    high = height_of(corners)
+    total = high + _SCALE + _LABEL
     figure = Figure(figsize=(WIDTH, total))
-    rows, top = [], total
-    for one in shown:
-        values = snapshot.values[one][finite]
-        word = "internal temperature" if one == TEMPERATURE else one.removeprefix(CONCENTRATION)
-        scale = figure.add_axes((0.06, (top - _LABEL - _SCALE) / total, 0.88, _SCALE / total))
-        axes = figure.add_axes((0.01, (top - _LABEL - _SCALE - high) / total, 0.98, 0.98 * high / total))
-        top -= high + _SCALE + _LABEL
-        low, most = _paint(axes, snapshot, places, values, corners)
-        shades = ScalarMappable(Normalize(low, most), by_lightness())
-        figure.colorbar(shades, cax=scale, orientation="horizontal", label=axis_label(word, unit))
-        scale.xaxis.set_ticks_position("top")
-        scale.xaxis.set_label_position("top")
-        rows.append((word, f"{values.min():.5g}", f"{values.mean():.5g}", f"{values.max():.5g}"))
-    step = "" if snapshot.step is None else f" (step {snapshot.step})"
-    told = ", ".join(f"{word} {low} to {most}, mean {mean}" for word, low, mean, most in rows)
+    scale = figure.add_axes((0.06, high / total, 0.88, _SCALE / total))
+    axes = figure.add_axes((0.01, 0.0, 0.98, 0.98 * high / total))
+    low, most = _paint(axes, snapshot, places, values, corners)
+    warm = quantity == TEMPERATURE
+    word = "internal temperature" if warm else f"concentration of {quantity.removeprefix(CONCENTRATION)}"
+    unit = run.units.of("temperature") if warm else ""
+    shades = ScalarMappable(Normalize(low, most), by_lightness())
+    figure.colorbar(shades, cax=scale, orientation="horizontal", label=axis_label(word, unit), ticks=MaxNLocator(5))
+    scale.xaxis.set_ticks_position("top")
+    scale.xaxis.set_label_position("top")
+    told = (f"{values.min():.5g}", f"{values.mean():.5g}", f"{values.max():.5g}")
     words = [
-        f"{int(finite.sum())} beads in shades of what they carry, from {snapshot.file}: {told}{unit and ' ' + unit}.",
-        "Pale is low, dark is high. Only beads near the surface are seen.",
+        f"{int(finite.sum())} beads in shades of what they carry, from {snapshot.file}: {word} {told[0]} to {told[2]}, "
+        f"mean {told[1]}{unit and ' ' + unit}. Pale is low, dark is high; only beads near the surface are seen."
     ]
-    if len(shown) < len(names):
-        words.append(f"The first {len(shown)} of {len(names)} species are drawn.")
-    which = "Start" if snapshot.step == 0 else "Last frame"
-    table = Table(("quantity", "lowest", "mean", "highest"), tuple(rows))
-    return Drawing(name, f"{which}{step}: {title}", figure, " ".join(words), table)
+    drawn, left = carried_by(run)[:MOST_SPECIES], len(carried_by(run)) - MOST_SPECIES
+    if left > 0 and quantity == drawn[-1]:
+        words.append(f"{left} more species are not drawn.")
+    step = "" if snapshot.step is None else f" (step {snapshot.step})"
+    title = f"{'Start' if snapshot.step == 0 else 'Last frame'}{step}: {word}"
+    table = Table(("lowest", "mean", "highest"), (told,))
+    return Drawing(f"last-{quantity}", title, figure, " ".join(words), table)
 
 
 def _paint(

@@ -30,8 +30,9 @@ def relaxation(run: Run) -> Drawing | None:
         later = one.lags > 0.0
         positive = later & (one.values > 0.0)
         below += int(np.count_nonzero(later & ~positive))
-        error = None if one.errors is None else np.minimum(one.errors, 0.9 * one.values)[positive]
-        banded(axes, k, one.lags[positive], one.values[positive], error, _short(one))
+        values = np.where(positive, one.values, np.nan)  # a gap, not a line across it
+        error = None if one.errors is None else np.minimum(one.errors, 0.9 * values)
+        banded(axes, k, one.lags[1:], values[1:], None if error is None else error[1:], _short(one), points=True)
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlabel(axis_label("lag", run.units.of("time")))

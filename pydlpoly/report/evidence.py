@@ -95,6 +95,8 @@ def momentum_goes_to(run: Run) -> str | None:
         return "an external field acts"
     if scene.walls is not None:
         return "there are walls"
+    if scene.dynamics.shear_rate != 0.0:
+        return "beads that leave the sheared cell come back with another velocity"
     if bool(scene.beads.frozen.any()):
         return "there are frozen beads"
     if scene.dynamics.integrator == "langevin":

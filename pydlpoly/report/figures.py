@@ -18,8 +18,6 @@ from pydlpoly.report.style import Drawing
 FIGURES: dict[str, Callable[[Run], Drawing | None]] = {
     "last": last_frame,
     "start": start_frame,
-    "last-temperature": coloured.by_temperature,
-    "last-concentration": coloured.by_concentration,
     "temperature": temperature,
     "pressure": pressure,
     "energy": energy,
@@ -33,7 +31,6 @@ FIGURES: dict[str, Callable[[Run], Drawing | None]] = {
     "rdf": distribution,
     "density": density,
     **{f"profile-{group}": partial(binned.profile, group=group) for group in GROUPS},
-    **{f"map-{group}": partial(binned.averages_in_plane, group=group) for group in GROUPS},
     "stress-profile": stress_profile,
     "stress-relaxation": correlated.relaxation,
     "viscosity": correlated.viscosity,
@@ -43,10 +40,24 @@ FIGURES: dict[str, Callable[[Run], Drawing | None]] = {
     "speed": speed,
     "time": time_spent,
 }
-"""What can be drawn, in the order of the report; a function returns None when the run lacks what it needs."""
+"""What can be drawn of any run; a function returns None when the run lacks what it needs."""
+
+
+def figures_of(run: Run) -> dict[str, Callable[[Run], Drawing | None]]:
+    """Return ``FIGURES`` and, in their places, those that only this run has: what its beads carry, maps."""
+    found: dict[str, Callable[[Run], Drawing | None]] = {}
+    for name, figure in FIGURES.items():
+        if name == "temperature":
+            carries = coloured.carried_by(run)[: coloured.MOST_SPECIES]
+            found |= {f"last-{one}": partial(coloured.by_value, quantity=one) for one in carries}
+        if name == "stress-profile":
+            maps = binned.maps_of(run)[: binned.MOST_MAPS]
+            found |= {f"map-{one}": partial(binned.averages_in_plane, quantity=one) for one in maps}
+        found[name] = figure
+    return found
 
 
 def draw(run: Run, name: str) -> Drawing | None:
-    """Return one of ``FIGURES``, None when the run lacks what it needs."""
+    """Return one of ``figures_of``, None when the run lacks what it needs."""
     with look():
-        return FIGURES[name](run)
+        return figures_of(run)[name](run)

@@ -199,6 +199,8 @@ def energy_drift(evidence: Evidence) -> list[Finding]:
     scene = evidence.run.scene
     if scene is None or scene.dynamics.integrator != "nve" or scene.heat is not None:
         return []
+    if scene.dynamics.shear_rate != 0.0:
+        return [unknown("Energy drift", "it is not conserved here: shear does work")]
     advice = "a shorter `timestep`, or laws that end smoothly (`vdw_force_shift`)"
     return drift_of(evidence, "extended_energy", "Energy drift", "the total energy", advice)
 

@@ -17,7 +17,7 @@ from pydlpoly.drawing import axis_label
 from pydlpoly.formats.atomic import replace_file
 from pydlpoly.report.collect import Run, collect_run
 from pydlpoly.report.evidence import Evidence, with_error
-from pydlpoly.report.figures import FIGURES, draw
+from pydlpoly.report.figures import draw, figures_of
 from pydlpoly.report.finding import Finding
 from pydlpoly.report.judge import judge_run
 from pydlpoly.report.speed import steps_a_second
@@ -26,7 +26,6 @@ from pydlpoly.report.style import Drawing, Table, check_packages, svg
 if TYPE_CHECKING:
     from markupsafe import Markup
 
-_PICTURES = ("last", "start", "last-temperature", "last-concentration")
 _SPEED = ("speed", "time")
 _OPEN = ("Scene", "System", "Integrator and thermostat", "Pair table")  # parts of the explanation that are unfolded
 _AVERAGES = (
@@ -88,7 +87,8 @@ def render(run: Run, findings: list[Finding]) -> str:
     """Return the page."""
     from jinja2 import Environment, StrictUndefined
 
-    figures = {name: shown for name in FIGURES if (shown := _shown(draw(run, name))) is not None}
+    figures = {name: shown for name in figures_of(run) if (shown := _shown(draw(run, name))) is not None}
+    pictures = [name for name in figures if name == "start" or name.partition("-")[0] == "last"]
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters["commands"] = _commands
     template = environment.from_string((resources.files("pydlpoly.report") / "template.html").read_text("utf-8"))
@@ -104,8 +104,8 @@ def render(run: Run, findings: list[Finding]) -> str:
         facts=_facts(run),
         averages=_averages(run),
         equilibration=run.equilibration,
-        pictures=[figures[name] for name in _PICTURES if name in figures],
-        figures=[shown for name, shown in figures.items() if name not in (*_PICTURES, *_SPEED)],
+        pictures=[figures[name] for name in pictures],
+        figures=[shown for name, shown in figures.items() if name not in (*pictures, *_SPEED)],
         speeds=[figures[name] for name in _SPEED if name in figures],
         explanation=_explanation(run),
         scene_source=run.scene_source,
@@ -119,8 +119,9 @@ def _shown(drawing: Drawing | None) -> Shown | None:
     if drawing is None:
         return None
     label = escape(f"{drawing.title}. {drawing.caption}")
-    picture = svg(drawing.figure, drawing.name).replace("<svg", f'<svg role="img" aria-label="{label}"', 1)
-    return Shown(drawing.name, drawing.title, drawing.caption, Markup(picture), drawing.table)
+    name = re.sub(r"[^\w-]", lambda found: f"_{ord(found[0]):x}", drawing.name)  # species may be called A+ or H2O*
+    picture = svg(drawing.figure, name).replace("<svg", f'<svg role="img" aria-label="{label}"', 1)
+    return Shown(name, drawing.title, drawing.caption, Markup(picture), drawing.table)
 
 
 def _commands(text: str) -> Markup:
@@ -171,7 +172,7 @@ def _facts(run: Run) -> list[tuple[str, str]]:
     if run.log is not None and run.log.threads is not None:
         facts += [("threads", str(run.log.threads)), ("seed", str(run.log.seed))]
     words = ("reduced, k_B = 1",) if units.reduced else (units.energy, "K", "katm", "ps", "Å")
-    facts.append(("units", ", ".join(word for word in words if word)))
+    facts.append(("units", ", ".join(dict.fromkeys(word for word in words if word))))
     return facts
 
 

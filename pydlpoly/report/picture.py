@@ -55,7 +55,7 @@ def start_frame(run: Run) -> Drawing | None:
 def hidden_species(run: Run, snapshot: Snapshot) -> str | None:
     """Return the species that hides the others: the most abundant of single beads that are mobile and uncharged.
 
-    None when it is the only species, or when it is not known which beads are single ones.
+    None when no other species moves, as with a liquid on a wall, or when it is not known which beads are single ones.
     """
     scene = run.scene
     if scene is None or scene.bead_count != len(snapshot.kinds):
@@ -65,9 +65,10 @@ def hidden_species(run: Run, snapshot: Snapshot) -> str | None:
     plain = alone & ~beads.frozen & (beads.charge == 0.0)
     amounts = np.bincount(beads.species, minlength=len(scene.species))
     candidates = [k for k in range(len(amounts)) if amounts[k] and bool(plain[beads.species == k].all())]
-    if not candidates or np.count_nonzero(amounts) < 2:
+    if not candidates:
         return None
-    return scene.species[max(candidates, key=lambda k: amounts[k])]
+    found = max(candidates, key=lambda k: amounts[k])
+    return scene.species[found] if bool(((beads.species != found) & ~beads.frozen).any()) else None
 
 
 def _drawing(run: Run, snapshot: Snapshot, name: str, title: str) -> Drawing | None:

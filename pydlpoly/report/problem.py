@@ -16,5 +16,7 @@ class Problem:
 
 def problem_of(path: Path, error: Exception) -> Problem:
     """Return what an error of a reader says, without the file's name in front."""
-    text = str(error).removeprefix(f"{path}: ").removeprefix(f"{path}:")
-    return Problem(path.name, f"cannot be read: {text}")
+    text = str(error).removeprefix(f"{path}: ")
+    if text.startswith(f"{path}:"):
+        text = f"line {text.removeprefix(f'{path}:')}"
+    return Problem(path.name, f"cannot be read: {text.removeprefix('cannot be read: ')}")

@@ -22,7 +22,7 @@ def speed(run: Run) -> Drawing | None:
     axes.set_ylim(0.0, 1.15 * float(rate.max()))
     axes.set_xlabel(axis_label("time", run.units.of("time")))
     axes.set_ylabel("steps a second")
-    words = f"Between print-outs {rate.min():.3g} to {rate.max():.3g} steps a second."
+    words = f"Between print-outs {_plain(rate.min())} to {_plain(rate.max())} steps a second."
     if run.beads:
         words += f" At {run.beads} beads the mean is {_mean(run) * run.beads / 1e6:.3g} million bead-steps a second."
     head = (axis_label("time", run.units.of("time")), "steps a second")
@@ -87,6 +87,10 @@ def seconds_by_part(run: Run) -> dict[str, float]:
         outside["rest of the loop"] = max(0.0, outside.pop("steps", 0.0) - sum(inside.values()))
     parts = {**inside, **outside}
     return dict(sorted(parts.items(), key=lambda part: -part[1]))
+
+
+def _plain(rate: float) -> str:
+    return f"{rate:.0f}" if rate >= 100.0 else f"{rate:.3g}"
 
 
 def _mean(run: Run) -> float:

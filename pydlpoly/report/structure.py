@@ -91,6 +91,8 @@ def displacement(run: Run) -> Drawing | None:
         f"Mean-square displacement since {since}, from {source}. A sixth of the slope of the second half, which for "
         f"beads that diffuse is D: {', '.join(slopes)}{unit and ' ' + unit}. One start only: no error is known."
     )
+    if run.scene is not None and (run.scene.external or run.scene.dynamics.shear_rate != 0.0):
+        words += " Where the fluid flows, its flow is in it."
     x, y = axis_label("time", run.units.of("time")), axis_label("MSD", run.units.of("area"))
     return _curves("msd", "Mean-square displacement", curves, words, x, y)
 
@@ -144,11 +146,9 @@ def _diffusion(times: FloatArray, values: FloatArray) -> float:
 
 
 def _distribution_of_frames(run: Run) -> tuple[_Curves, str]:
-    if run.history is None or not run.history.frames:
-        return [], ""
-    beads = len(run.history.frames[0].names)
-    count = min(len(run.history.frames), _BEADS_COUNTED // beads)
-    frames = run.history.frames[-count:] if count else ()
+    frames = _sampled(run)
+    count = _BEADS_COUNTED // len(frames[0].names) if frames else 0
+    frames = frames[-count:] if count else []
     if not frames or frames[-1].imcon in (0, 6):
         return [], ""
     half = 0.5 * float(widths(frames[-1].cell).min())
@@ -164,8 +164,7 @@ def _distribution_of_frames(run: Run) -> tuple[_Curves, str]:
 
 
 def _density_of_frames(run: Run) -> tuple[_Curves, str]:
-    frames = run.history.frames if run.history is not None else ()
-    frames = frames[1:] if len(frames) > 2 else frames  # the start is no sample
+    frames = _sampled(run)
     if not frames or not all(np.linalg.det(frame.cell) for frame in frames):
         return [], ""
     try:
@@ -176,6 +175,12 @@ def _density_of_frames(run: Run) -> tuple[_Curves, str]:
         return [], ""
     curves = [(name, result.z, values) for name, values in zip(result.species, result.density, strict=True)]
     return curves, _frames_of(run, len(frames))
+
+
+def _sampled(run: Run) -> list[Frame]:
+    """Frames after the equilibration, or where there are none yet those after the start, which is no sample."""
+    frames = [frame for frame in (run.history.frames if run.history is not None else ()) if frame.step > 0]
+    return [frame for frame in frames if frame.step > run.equilibration] or frames
 
 
 def _frames_of(run: Run, count: int) -> str:

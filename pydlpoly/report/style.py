@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _COLOURS = 96  # of a picture of beads
+_EXACT = 256  # colours of a picture that keeps all of them
 
 
 @dataclass(frozen=True)
@@ -91,9 +92,14 @@ def _smaller(encoded: str) -> str:
     from PIL import Image
 
     with Image.open(io.BytesIO(base64.b64decode(encoded))) as image:
-        reduced = image.convert("RGBA").quantize(
-            colors=_COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE
-        )
-        stream = io.BytesIO()
+        whole = image.convert("RGBA")
+    stream = io.BytesIO()
+    colours, numbers = np.unique(np.asarray(whole).reshape(-1, 4), axis=0, return_inverse=True)
+    if len(colours) <= _EXACT:  # as in maps, whose shades are to be what their scales say
+        reduced = Image.fromarray(numbers.reshape(whole.height, whole.width).astype(np.uint8))
+        reduced.putpalette(colours[:, :3].tobytes())
+        reduced.save(stream, "PNG", optimize=True, transparency=colours[:, 3].tobytes())
+    else:
+        reduced = whole.quantize(colors=_COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
         reduced.save(stream, "PNG", optimize=True)
     return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode("ascii")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from pydlpoly.formats.history import HistoryWriter, read_history
 from pydlpoly.formats.history_sample import chosen, sample_history
 from pydlpoly.formats.output import OutputWriter, RunSummary
 from pydlpoly.formats.output_reader import read_output
+from pydlpoly.formats.species_balance import SpeciesBalance
 from pydlpoly.formats.strprf import ProfileTable, read_profile, write_profile
 
 SUMMARY = RunSummary(
@@ -171,3 +173,31 @@ def test_no_frame_yet(tmp_path: Path) -> None:
     assert sample_history(tmp_path / "HISTORY", 3).frames == ()
     with pytest.raises(ValueError, match="at least one frame"):
         sample_history(tmp_path / "HISTORY", 0)
+
+
+def test_heat_and_balances_are_read(tmp_path: Path) -> None:
+    """Print-outs with further lines, and the table of dissolved species at the end."""
+    balances = (
+        SpeciesBalance("sugar", 10.0, 1.5, -2.25, 0.125, 9.375 + 3e-12),
+        SpeciesBalance("b", 0.0, 0.0, 2.25, 0.0, 2.25),
+    )
+    path = tmp_path / "OUTPUT"
+    with OutputWriter(path, "1.2.3", "a title") as output:
+        for step in (0, 20, 40):
+            more = [("internal temperature [K]", 300.0 + step), ("conserved energy", -1.5e-3 * step)]
+            output.block(step, 0.01 * step, 0.1, np.ones(37), np.ones(37), more)
+        output.summary(replace(SUMMARY, species_balance=balances))
+    log = read_output(path)
+    assert log.steps.tolist() == [0, 20, 40]
+    assert {name: values.tolist() for name, values in log.printed.items()} == {
+        "internal temperature": [300.0, 320.0, 340.0],
+        "conserved energy": [0.0, -0.03, -0.06],
+    }
+    for one, other in zip(log.species_balance, balances, strict=True):
+        assert (one.name, one.start, one.sources, one.reactions, one.held) == (
+            other.name, other.start, other.sources, other.reactions, other.held
+        )  # fmt: skip
+        assert one.remainder == pytest.approx(other.remainder, abs=4e-15)
+    write(path)
+    assert read_output(path).printed == {}
+    assert read_output(path).species_balance == ()

@@ -31,10 +31,11 @@ window.addEventListener("load", () => {{
     e.getBoundingClientRect().right > root.clientWidth + 1).map(e => e.tagName + " " + e.textContent.slice(0, 60));
   const figures = Object.fromEntries([...page.querySelectorAll("figure")].map(f => {{
     const svg = f.querySelector("svg"), box = svg.getBoundingClientRect();
-    const letters = [...svg.querySelectorAll("text")].map(t => t.getBoundingClientRect());
+    const texts = [...svg.querySelectorAll("text")], letters = texts.map(t => t.getBoundingClientRect());
+    const high = (t, b) => t.textContent.trim().length > 2 ? b.height : Math.max(b.height, b.width); // may be turned
     return [f.id, {{ width: box.width, height: box.height, drawn: svg.querySelectorAll("path, image, use").length,
       images: svg.querySelectorAll("image").length, label: svg.getAttribute("aria-label"),
-      smallest: Math.min(...letters.map(b => Math.min(b.height, b.width + 99))),
+      smallest: Math.min(...texts.map((t, k) => high(t, letters[k]))),
       outside: letters.filter(b => b.left < box.left - 3 || b.right > box.right + 3).length }}]; }}));
   document.getElementById("told").textContent = JSON.stringify({{ scroll: root.scrollWidth, client: root.clientWidth,
     height: root.scrollHeight, text: page.body.innerText, scripts: page.querySelectorAll("script").length,

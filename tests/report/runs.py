@@ -79,4 +79,55 @@ def no_steps(folder: Path) -> Path:
     return folder
 
 
-MAKERS = {"healthy": healthy, "hot": hot, "killed": killed, "empty": empty, "no-steps": no_steps}
+CARRIED = {
+    "time_run": "160 steps",
+    "time_equilibration": "40 steps",
+    "stats_frequency": "4 steps",
+    "diagnostics_frequency": "4 steps",
+    "print_frequency": "20 steps",
+    "traj_interval": "20 steps",
+    "traj_format": "[h5md]",
+    "io_file_history": "NONE",
+    "profile_frequency": "4 steps",
+    "profile_axis": "x",
+    "profile_bins": "8",
+    "map_frequency": "4 steps",
+    "map_plane": "xz",
+    "map_bins": "[ 6 5 ]",
+    "correlation_observable": "[ s_xy-s_xy s_xz-s_xz s_xx-s_yy ]",
+    "correlation_block_points": "[ 12 ]",
+}
+BLOCKS = """
+extension heat
+capacity A 60
+capacity B 80
+pair A A kappa 0.02 range 1.2
+pair A B kappa 0.02 range 1.2
+source layer x 0 1 0.5
+end extension
+extension transport
+species sugar salt
+pair * * sugar kappa 2.0 range 1.2
+start sugar 1.0 box -2 0 * * * *
+start salt 0.5
+source sugar 0.3 box * * * * -1 1
+reaction 0.2 sugar -> salt
+end extension
+"""
+
+
+def carried_inputs(folder: Path, settings: dict[str, str] | None = None) -> Path:
+    """Beads that carry heat and dissolved species."""
+    run_folder(folder, {**CARRIED, **(settings or {})})
+    with (folder / "FIELD").open("a", encoding="utf-8") as file:
+        file.write(BLOCKS)
+    return folder
+
+
+def carried(folder: Path) -> Path:
+    """All averages, heat and dissolved species, and a trajectory that is no HISTORY."""
+    run_scene(load(carried_inputs(folder)), folder)
+    return folder
+
+
+MAKERS = {"healthy": healthy, "hot": hot, "killed": killed, "empty": empty, "no-steps": no_steps, "carried": carried}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,8 +11,10 @@ import numpy as np
 import pytest
 
 from pydlpoly.formats.output_reader import OutputLog
+from pydlpoly.formats.species_balance import SpeciesBalance
 from pydlpoly.formats.statis import STATISTICS_NAMES, StatisticsTable
 from pydlpoly.report import judge as judging
+from pydlpoly.report import judge_carried
 from pydlpoly.report.collect import Problem, Run
 from pydlpoly.report.evidence import Evidence, with_error
 from pydlpoly.report.finding import Finding
@@ -20,6 +23,7 @@ from pydlpoly.scene import load
 from pydlpoly.scene.model import ExternalTerm, Scene
 
 from ..run_folders import run_folder
+from .runs import carried_inputs
 
 NAMES = tuple(one.name for one in STATISTICS_NAMES)
 EVERY = 10
@@ -244,3 +248,66 @@ def test_every_check_says_where_its_threshold_comes_from() -> None:
 )
 def test_digits_follow_the_error(value: float, error: float, text: str) -> None:
     assert with_error(Average(value, error, 10)) == text
+
+
+@pytest.fixture(scope="module")
+def warm(tmp_path_factory: pytest.TempPathFactory) -> Scene:
+    return load(carried_inputs(tmp_path_factory.mktemp("warm"), {"time_run": "4000 steps"}))
+
+
+def conserved(slope: float, noise: float = 1e-4) -> dict[str, np.ndarray]:
+    """DIAGNOSTICS whose conserved energy per bead drifts by this much over the run."""
+    found = diagnostics()
+    values = 5.0 + noise * np.random.default_rng(8).standard_normal(401) + np.linspace(0.0, slope, 401)
+    return {**found, "conserved_energy": values, "internal_energy": values, "internal_temperature": np.ones(401)}
+
+
+@pytest.mark.parametrize(("slope", "level"), [(0.0, "fine"), (0.008, "fine"), (-0.02, "warning"), (0.02, "warning")])
+def test_conserved_energy_where_beads_carry_heat(warm: Scene, slope: float, level: str) -> None:
+    """In units of k_B T = 1 a bead: 1 % is tolerated."""
+    finding = only(judge_carried.conserved_energy, run_of(warm, diagnostics=conserved(slope)))
+    assert finding.level == level
+    found = re.search(r"changes by (-?[\d.e-]+) k_B T per bead", finding.text)
+    assert float(found[1]) == pytest.approx(slope, abs=4e-4)
+
+
+def test_a_drift_within_its_noise_is_no_warning(warm: Scene) -> None:
+    finding = only(judge_carried.conserved_energy, run_of(warm, diagnostics=conserved(0.02, noise=0.5)))
+    assert finding.level == "fine"
+
+
+def test_what_is_not_conserved_is_not_judged(scene: Scene, warm: Scene) -> None:
+    assert judge_carried.conserved_energy(Evidence(run_of(scene, diagnostics=diagnostics()))) == []
+    assert only(judge_carried.conserved_energy, run_of(warm, diagnostics=diagnostics())).text == "it was not recorded"
+    assert warm.heat is not None
+    for change, told in (
+        ({"heat": replace(warm.heat, scaled_repulsion=True)}, "repulsion grows with temperature"),
+        ({"heat": replace(warm.heat, viscous_heating="lammps")}, "viscous_heating lammps"),
+        ({"external": (ExternalTerm("grav", (0.0, 0.0, 1.0)),)}, "external field does work"),
+    ):
+        other = replace(warm, **change)  # type: ignore[arg-type]
+        finding = only(judge_carried.conserved_energy, run_of(other, diagnostics=conserved(0.5)))
+        assert finding.level == "unknown"
+        assert told in finding.text
+    finding = only(judge_carried.conserved_energy, run_of(warm, diagnostics=conserved(0.5), callbacks=("heater",)))
+    assert finding.level == "unknown"
+    assert "heater" in finding.text
+
+
+@pytest.mark.parametrize(("missing", "level"), [(0.0, "fine"), (5e-8, "fine"), (2e-7, "warning"), (-3.0, "warning")])
+def test_balance_of_a_species(warm: Scene, missing: float, level: str) -> None:
+    """A billionth of the 100 that were there at the start is tolerated."""
+    balance = (SpeciesBalance("sugar", 100.0, 20.0, -50.0, 0.0, 70.0 + missing), SpeciesBalance("salt", 0, 0, 0, 0, 0))
+    finding = only(judge_carried.species_balance, run_of(warm, balance=balance, balance_file="OUTPUT"))
+    assert finding.level == level
+    if level == "warning":
+        word = "more" if missing > 0.0 else "less"
+        assert f"of sugar there is {70.0 + missing:.6g}, {abs(missing):.3g} {word} than" in finding.text
+        assert "salt" not in finding.text
+        acted = run_of(warm, balance=balance, balance_file="OUTPUT", callbacks=("feeder",))
+        assert only(judge_carried.species_balance, acted).level == "note"
+
+
+def test_species_without_a_balance_are_not_judged(scene: Scene, warm: Scene) -> None:
+    assert judge_carried.species_balance(Evidence(run_of(scene))) == []
+    assert only(judge_carried.species_balance, run_of(warm)).level == "unknown"

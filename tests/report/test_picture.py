@@ -50,6 +50,8 @@ def test_the_most_abundant_single_beads_are_hidden(scene: Scene) -> None:
     assert picture.hidden_species(replace(run, scene=frozen), one) is None
     pairs = replace(scene, beads=replace(beads, molecule=beads.molecule // 2))
     assert picture.hidden_species(replace(run, scene=pairs), one) is None
+    wall = replace(scene, beads=replace(beads, frozen=beads.species == 1))
+    assert picture.hidden_species(replace(run, scene=wall), one) is None  # a liquid on it is all there is to see
     alone = replace(scene, beads=replace(beads, species=np.zeros_like(beads.species)))
     assert picture.hidden_species(replace(run, scene=alone), one) is None
     assert picture.hidden_species(run_with(one), one) is None  # without FIELD it is not known

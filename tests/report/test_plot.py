@@ -38,6 +38,30 @@ def test_single_quantities_as_pictures(reports, tmp_path: Path, ending: str) -> 
         path.unlink()
 
 
+@pytest.mark.parametrize(
+    ("quantity", "told"),
+    [
+        ("profile-temperature", "Temperature along x in 8 bins, from PROFILE, 30 samples"),
+        ("map-velocity_x", "(velocity x) in the plane of x and z in 6 x 5 bins, from MAP"),
+        ("stress-relaxation", "both axes logarithmic"),
+        ("viscosity", "Viscosity "),
+        ("last-temperature", "160 beads in shades of what they carry, from REVIVE"),
+        ("last-concentration_sugar", "concentration of sugar"),
+        ("species", "Amounts of dissolved species in all beads, from OUTPUT"),
+        ("conserved", "Energies per bead in k_B T"),
+        ("internal_energy", "Internal energy per bead"),
+    ],
+)
+def test_averages_and_what_beads_carry_as_pictures(reports, tmp_path: Path, quantity: str, told: str) -> None:
+    path = tmp_path / "picture.png"
+    done = command("plot", reports("carried").folder, quantity, "--output", path)
+    assert done.returncode == 0, done.stderr
+    assert path.read_bytes().startswith(SIGNATURES[".png"])
+    assert told in done.stdout
+    done = command("plot", reports("carried").folder, "map-velocity_w")
+    assert "did you mean map-velocity_" in done.stderr
+
+
 def test_what_there_is_is_listed(reports) -> None:
     done = command("plot", reports("healthy").folder)
     assert "figures: last, start, temperature, pressure" in done.stdout

@@ -166,9 +166,10 @@ def test_empty_folder_and_run_of_no_steps(reports) -> None:
     assert {"last", "start", "temperature"} <= set(figures(report.html))
 
 
-def test_any_file_may_be_missing_or_garbage(reports, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["healthy", "carried"])
+def test_any_file_may_be_missing_or_garbage(reports, tmp_path: Path, name: str) -> None:
     """A report is made of what is left, and names the file that cannot be read."""
-    source = reports("healthy").folder
+    source = reports(name).folder
     files = [path for path in source.iterdir() if path.name != "report.html"]
     for victim in files:
         for content in (
@@ -188,7 +189,7 @@ def test_any_file_may_be_missing_or_garbage(reports, tmp_path: Path) -> None:
             run = collect_run(folder)
             findings = judge_run(run)
             if content is not None and b"garbage" in content and victim.name in run.files:
-                inputs = ("CONTROL", "FIELD", "CONFIG", "REVCON")  # not needed beside a checkpoint
+                inputs = ("CONTROL", "FIELD", "CONFIG", "REVCON", "REVBEADS")  # not needed beside a checkpoint
                 assert f"File {victim.name}" in [one.subject for one in findings] or victim.name in inputs
 
 
@@ -262,3 +263,16 @@ def test_energies_that_are_not_numbers_are_said(reports, tmp_path: Path) -> None
     path, findings = write_report(tmp_path)
     assert "Not a number" in [one.subject for one in findings]
     assert np.isfinite(path.stat().st_size)
+
+
+def test_any_name_of_a_species_makes_a_page(tmp_path: Path) -> None:
+    """Names of figures hold those of species, which may hold signs that no id can."""
+    scene = load(run_folder(tmp_path, {"map_frequency": "10 steps", "map_bins": "[ 3 3 ]"}))
+    run_scene(scene, tmp_path)
+    text = (tmp_path / "MAP").read_text()
+    (tmp_path / "MAP").write_text(text.replace("density_A", 'density_A"+(1)').replace("density_B", "density_<b>"))
+    html = write_report(tmp_path)[0].read_text(encoding="utf-8")
+    assert "map-number_density_A_22_2b_281_29" in figures(html)
+    assert "<b>" not in html
+    ids = re.findall(r'\bid="([^"]*)"', html)
+    assert len(ids) == len(set(ids))
