@@ -354,13 +354,16 @@ def test_profiles_on_two_ranks() -> None:
             simulation.run(5)
             seen, state = simulation.observe(), simulation.state
             layers = np.floor((state.positions[:, 1] / 6.0 + 0.5) * 8).astype(int) % 8
-            profile = [float(state.temperature[layers == k].mean()) for k in range(8)]  # type: ignore[index]
+            warm = state.temperature
+            assert warm is not None
+            # The mean wanders with the numbers of beads in both halves; the account has it.
+            profile = [float(warm[layers == k].mean() - warm.mean()) for k in range(8)]
             rows.append([seen.temperature, seen.pressure, *profile])
         found.append(block_errors(rows))
     (ours, error), (theirs, other) = found
     both = np.hypot(error, other)
     assert both[0] < 0.02
-    assert both[1] < 0.4
-    assert np.all(both[2:] < 0.002)
+    assert both[1] < 2.0  # of 100; drag and noise are in it
+    assert np.all(both[2:] < 0.003)
     assert ours[2:].max() - ours[2:].min() > 0.05
-    assert np.all(np.abs(ours - theirs) <= 4.0 * both + [0, 0, *[2e-4] * 8]), (ours, theirs, both)
+    assert np.all(np.abs(ours - theirs) <= 4.0 * both), (ours, theirs, both)
