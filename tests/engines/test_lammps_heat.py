@@ -122,6 +122,15 @@ def test_drag_of_warm_beads(team: ProcessTeam, repulsion: str) -> None:
     assert np.abs(seen - (parts[0] - parts[1])).max() <= 1e-9 * np.abs(points[0][0]["drag"]).max() + 1e-9
 
 
+def test_heat_of_drag_and_noise() -> None:
+    """Of beads so fast that noise does not matter, in so short a step that they do not move."""
+    velocities = 1e4 * np.random.default_rng(3).normal(size=(500, 3))
+    scene = mixture("viscous_heating lammps", capacity=1e4, velocities=velocities, timestep=1e-9)
+    ours, theirs = (changes(simulation, 1) for simulation in in_both(scene))
+    assert np.abs(ours).max() > 3e-8
+    assert np.abs(ours - theirs).max() <= 2e-3 * np.abs(ours).max()
+
+
 def changes(simulation: Simulation, steps: int) -> FloatArray:
     """What internal temperatures change by in so many steps."""
     before = simulation.bead_arrays()["temperature"]
@@ -331,7 +340,7 @@ def test_boxes_of_tilted_cells() -> None:
 
 def test_accelerators_are_refused() -> None:
     scene = mixture(*flux_lines(), control=STILL)
-    with pytest.raises(InputError, match="accelerator switches do not go with beads that carry heat"):
+    with pytest.raises(InputError, match="accelerator switches do not go with beads that carry heat or"):
         Simulation(scene, engine="lammps", accelerator="-sf omp -pk omp 1")
 
 
