@@ -292,7 +292,7 @@ def test_temperatures_that_become_impossible_stop_the_run() -> None:
     """A sink takes more than there is; the native engine limits it to half of a bead's heat."""
     scene = mixture("source species A -40.0", control=STILL, capacity=1e4, timestep=0.002)
     simulation = Simulation(scene, seed=1, engine="lammps")
-    with pytest.raises(RunError, match=r"an internal temperature has become -.* by step 20: LAMMPS's steps"):
+    with pytest.raises(RunError, match=r"an internal temperature has become -.* by step \d+: LAMMPS's steps"):
         simulation.run(20)
 
 

@@ -203,7 +203,7 @@ def test_amounts_that_fall_below_nothing_stop_the_run() -> None:
     with pytest.raises(RunError, match="a sink takes more than a bead has in the first step"):
         Simulation(scene, seed=1, engine="lammps").run(5)
     scene = mixture("start a 0.01", "source a -1.0 in B", control=STILL, timestep=0.002)
-    with pytest.raises(RunError, match=r"a concentration has become -.* by step 50: LAMMPS's steps"):
+    with pytest.raises(RunError, match=r"a concentration has become -.* by step \d+: LAMMPS's steps"):
         Simulation(scene, seed=1, engine="lammps").run(50)
 
 
