@@ -76,16 +76,18 @@ def flux_lines(capacity: float = CAPACITY) -> tuple[str, ...]:
     )
 
 
-def test_polynomials_about_another_temperature() -> None:
-    factors, reference = (0.9, -0.4, 0.3, -0.1), 2.5
+@pytest.mark.parametrize("reference", [0.4, 1.0, 2.5, 249.4])
+def test_polynomials_about_another_temperature(reference: float) -> None:
+    """LAMMPS's are about 1; 249.4 is 300 K in DL_POLY's units."""
+    factors = (0.9, -0.4, 0.3, -0.1)
     found = about_one(factors, reference)
     assert found is not None
-    for temperature in (0.3, 1.0, 2.5, 4.0):
+    for temperature in (0.7 * reference, reference, 1.4 * reference):
         x, y = temperature / reference - 1.0, temperature - 1.0
         ours = 1.0 + sum(c * x**k for k, c in enumerate(factors, 1))
         theirs = found[0] * (1.0 + sum(c * y**k for k, c in enumerate(found[1], 1)))
-        assert theirs == pytest.approx(ours, rel=1e-13)
-    assert about_one((1.0, 0.0, 0.0, 0.0), 1e300) == (0.0, ()) or about_one((1.0, 0.0, 0.0, 0.0), 1e300) is None
+        assert theirs == pytest.approx(ours, rel=1e-12)
+    assert about_one((-1.0, 0.0, 0.0, 0.0), 0.5) is None  # 0 at a temperature of 1
 
 
 @pytest.mark.parametrize("repulsion", ["constant", "scaled"])
