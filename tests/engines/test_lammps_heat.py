@@ -118,6 +118,9 @@ def test_drag_of_warm_beads(team: ProcessTeam, repulsion: str) -> None:
     ours = simulations[0].state.forces - simulations[1].state.forces
     assert np.abs(ours).max() > 5.0
     assert np.abs(ours - theirs).max() <= 1e-10 * np.abs(points[0][1]).max()
+    if repulsion == "constant":  # of which drag and noise are the rest
+        laws, law = points[0][0]["conservative"], simulations[0].observe().stress_parts["conservative"]
+        assert np.abs(laws / points[0][0]["volume"] - law).max() <= 1e-9 * np.abs(law).max()
     part = "drag" if repulsion == "constant" else "conservative"
     seen = (points[0][0][part] - points[1][0][part]) / points[0][0]["volume"]
     parts = [simulation.observe().stress_parts["drag"] for simulation in simulations]
