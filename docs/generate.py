@@ -10,6 +10,7 @@ import inspect
 import re
 import sys
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from pathlib import Path
 
 import pydlpoly
@@ -17,9 +18,12 @@ from pydlpoly import _core
 from pydlpoly.engines.lammps_translate.bonded import BONDED_STYLES, SOMETIMES
 from pydlpoly.engines.lammps_translate.bonded import why_refused as why_bonded_refused
 from pydlpoly.engines.lammps_translate.charges import METHODS
+from pydlpoly.engines.lammps_translate.heat import HEAT
 from pydlpoly.engines.lammps_translate.integrators import INTEGRATOR_STYLES
+from pydlpoly.engines.lammps_translate.many_body import MANY_BODY
 from pydlpoly.engines.lammps_translate.pairs import PAIR_STYLES
 from pydlpoly.engines.lammps_translate.pairs import why_refused as why_pair_refused
+from pydlpoly.engines.lammps_translate.species import SPECIES
 from pydlpoly.formats.control import parse_control
 from pydlpoly.formats.diagnostics import COLUMNS, HEAT_COLUMNS
 from pydlpoly.formats.keywords import KEYWORDS, SYNONYMS, Keyword
@@ -238,6 +242,9 @@ def lammps_pair_laws() -> str:
     rows = []
     for law in _core.pair_laws():
         style = PAIR_STYLES.get(law["key"])
+        if law["key"] == "mdpd":
+            rows.append([code("mdpd"), f"{code('mdpd')} with `mdpd_kernel lucy`", "see below"])
+            continue
         if style is None:
             rows.append([code(law["key"]), "refused", why_pair_refused(law["key"])])
             continue
@@ -283,6 +290,11 @@ def lammps_charges() -> str:
     )
 
 
+def lammps_carried(rows: tuple[tuple[str, str, str], ...]) -> str:
+    """Return what becomes of a model whose beads carry something."""
+    return table(["of the scene", "in LAMMPS", "equal, or why not"], (list(row) for row in rows))
+
+
 PARTS: dict[str, Callable[[], str]] = {
     "control-used": control_used,
     "control-refused": control_refused,
@@ -300,6 +312,9 @@ PARTS: dict[str, Callable[[], str]] = {
     "lammps-bonded-laws": lammps_bonded_laws,
     "lammps-integrators": lammps_integrators,
     "lammps-charges": lammps_charges,
+    "lammps-many-body": partial(lammps_carried, MANY_BODY),
+    "lammps-heat": partial(lammps_carried, HEAT),
+    "lammps-species": partial(lammps_carried, SPECIES),
     "trajectory-formats": trajectory_formats,
 }
 """The generated parts by name."""

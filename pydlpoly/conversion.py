@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from pydlpoly.engines.lammps_translate import noise_seed, translate
 from pydlpoly.engines.native import NativeEngine
 from pydlpoly.engines.native_scene import long_range_tail
@@ -79,7 +81,13 @@ def convert_to_lammps(source: Path, target: Path, *, lenient: bool = False) -> t
     try:
         target.mkdir(parents=True, exist_ok=True)
         with atomic_file(target / _DATA_FILE) as file:
-            pieces = translation.data.pieces(start.system.positions, start.system.velocities)
+            carried = translation.carried
+            pieces = translation.data.pieces(
+                start.system.positions,
+                start.system.velocities,
+                np.asarray(start.system.bead_temperatures) if carried.heat else None,
+                np.asarray(start.system.concentrations) if carried.dissolved else None,
+            )
             file.writelines(piece.encode("utf-8") for piece in pieces)
         replace_file(target / "in.lammps", "\n".join([*translation.script(scene, _DATA_FILE, scene.run.steps), ""]))
     except OSError as error:
@@ -87,6 +95,10 @@ def convert_to_lammps(source: Path, target: Path, *, lenient: bool = False) -> t
     except RunError as error:
         raise InputError(str(error)) from error
     warnings = [note.text for note in scene.notes if note.kind == "warning"]
+    if translation.first_half:
+        warnings.append("LAMMPS leaves sources out of the first half of the first step")
+    if translation.observed.many_body:
+        warnings.append("LAMMPS's energy has a many-body part to which no forces belong; see docs/many-body.md")
     if energy or virial:
         warnings.append(f"long-range corrections are not in LAMMPS's numbers: energy {energy:.9g}, virial {virial:.9g}")
     return tuple(warnings)

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pydlpoly.bench.lammps_transport import transport_commands
+from pydlpoly.bench.lammps_carried import CarriedCommands, heat_commands, many_body_commands, species_commands
 from pydlpoly.formats.records import FloatArray
-from pydlpoly.scene.model import Bonded, Heat, PairTerm, Scene
+from pydlpoly.scene.model import Bonded, PairTerm, Scene
 
 SKINS = (0.1, 0.2, 0.3, 0.4)
 _CHECKED = "neigh_modify delay 0 every 1 check yes"
@@ -18,9 +18,7 @@ _BONDED = {("bond", "harm"): "harmonic", ("angle", "hcos"): "cosine/squared"}
 _SECTIONS = {"bond": "Bonds", "angle": "Angles"}
 _VARIANTS = {
     "dpd": ("dpd", "dpd/omp"),
-    "edpd": ("edpd",),
     "lj/cut": ("lj/cut", "lj/cut/opt", "lj/cut/omp"),
-    "tdpd": ("tdpd",),
 }
 
 
@@ -92,14 +90,14 @@ def lammps_input(scene: Scene) -> LammpsInput | str:
     if np.any(np.triu(scene.cell, 1) != 0.0):
         return "the cell is not lower triangular"
     if scene.heat is not None:
-        return _heat(scene, scene.heat)
+        return _carried(scene, heat_commands(scene, scene.heat))
     laws = {term.law for term in scene.pairs}
     if laws == {"dpd"} and all(term.drag_cutoff == term.cutoff for term in scene.pairs if term.drag > 0.0):
         return _dpd(scene)
     if laws == {"lj"} and not any(term.drag > 0.0 or term.force_shift for term in scene.pairs):
         return _lennard_jones(scene)
     if laws == {"mdpd"}:
-        return _many_body(scene)
+        return _carried(scene, many_body_commands(scene, scene.many_body))
     return f"the pair laws {', '.join(sorted(str(law) for law in laws))} are not translated"
 
 
@@ -107,56 +105,26 @@ def _dpd(scene: Scene) -> LammpsInput | str:
     if scene.dynamics.integrator != "mdvv" or scene.dynamics.prediction != 0.5:
         return "only DPD with lambda 1/2 is translated"
     if scene.transport is not None:
-        return _transport(scene)
+        return _carried(scene, species_commands(scene, scene.transport))
     largest = max(term.cutoff for term in scene.pairs)
     coefficients = [f"{_types(term)} {term.parameters[0]} {term.drag} {term.cutoff}" for term in scene.pairs]
     settings = f"{scene.dynamics.thermal_energy} {largest} 34387"
     return _input(scene, "dpd", settings, coefficients, {})
 
 
-def _transport(scene: Scene) -> LammpsInput | str:
-    assert scene.transport is not None
-    if scene.bonded is not None:
-        return "dissolved species in molecules are not translated"
-    commands = transport_commands(scene, scene.transport)
+def _carried(scene: Scene, commands: CarriedCommands | str) -> LammpsInput | str:
+    """Return the input of a scene whose beads carry something, as ``lammps_carried`` has it."""
     if isinstance(commands, str):
         return commands
-    plain = _input(scene, "tdpd", commands.settings, commands.coefficients, {})
-    box = [line.replace("atom_style atomic", f"atom_style {commands.atom_style}") for line in plain.box]
-    return replace(plain, box=box, dynamics=commands.dynamics)
-
-
-def _heat(scene: Scene, heat: Heat) -> LammpsInput | str:
-    """Pair style edpd, whose conduction ends where forces do; sources in boxes only."""
-    if scene.dynamics.integrator != "mdvv" or len(scene.pairs) != 1 or len(heat.terms) != 1 or heat.held:
-        return "beads that carry heat are translated for one species and mdvv"
-    if heat.viscous_heating != "lammps" or not heat.scaled_repulsion:
-        return "LAMMPS has no conserving heat of drag and noise, and its repulsion grows with the temperature"
-    pair, term, reference = scene.pairs[0], heat.terms[0], heat.reference
-    unfit = pair.law != "dpd" or term.range != pair.cutoff or reference != 1.0 or any(term.drag)
-    if unfit or any(source.kind != "box" for source in heat.sources):
-        return "LAMMPS's pair style edpd has not all that this scene asks for"
-    weight, conduction = (" ".join(f"{c:g}" for c in terms) for terms in (term.weight, term.conduction))
-    line = (
-        f"1 1 {pair.parameters[0]} {pair.drag} {scene.dynamics.weight_exponent} {pair.cutoff} {term.conductivity} "
-        f"{term.exponent} {term.range} power {weight} kappa {conduction}"
+    plain = _input(scene, "", "", [], {})
+    kind, where = commands.atom_style, "atom_style atomic"
+    timestep, motion, *rest = plain.dynamics
+    return replace(
+        plain,
+        box=[f"atom_style {kind}" if line == where else line for line in plain.box],
+        dynamics=[timestep, *commands.states, motion.replace("nve", commands.motion), *rest],
+        pairs={kind.split()[0]: commands.pairs},
     )
-    given = _input(scene, "edpd", f"{pair.cutoff} 34387", [line], {})
-    beads = scene.beads
-    if beads.temperature is None or beads.heat_capacity is None:
-        return "beads without temperatures"
-    states = [f"set atom * edpd/temp {beads.temperature[0]:.17g}", f"set atom * edpd/cv {beads.heat_capacity[0]:.17g}"]
-    half = 0.5 * np.repeat(np.diag(scene.cell), 2)
-    for number, source in enumerate(heat.sources):
-        bounds = np.clip(source.numbers, -half, half)  # of one box around the origin
-        low, high = bounds[::2], bounds[1::2]
-        middle, edges = 0.5 * (low + high), high - low
-        numbers = " ".join(f"{x:.17g}" for x in (*middle, *edges))
-        states.append(f"fix source{number} all edpd/source cuboid {numbers} {source.rate:.17g}")
-    given.box[1] = "atom_style edpd"
-    given.dynamics[1] = "fix motion all mvv/edpd 0.5"
-    given.dynamics[:0] = states
-    return given
 
 
 def _lennard_jones(scene: Scene) -> LammpsInput | str:
@@ -167,30 +135,6 @@ def _lennard_jones(scene: Scene) -> LammpsInput | str:
     # The list of LAMMPS' own Lennard-Jones benchmark: rebuilt every 20 steps without looking.
     usual = {"skin 0.3 every 20": ["neighbor 0.3 bin", "neigh_modify delay 0 every 20 check no"]}
     return _input(scene, "lj/cut", str(largest), coefficients, usual)
-
-
-def _many_body(scene: Scene) -> LammpsInput | str:
-    """Densities by one pair style and forces by another; velocities are predicted by the integrator of that package."""
-    if scene.many_body is None or scene.many_body.kernel != "lucy" or scene.bonded is not None:
-        return "many-body DPD is only translated with Lucy's kernel, which LAMMPS has, and without bonds"
-    if scene.dynamics.integrator != "mdvv":
-        return "only the integrator mdvv is translated for mdpd"
-    if any(term.drag_cutoff != term.cutoff for term in scene.pairs if term.drag > 0.0):
-        return "drags of other ranges than the pair law are not translated"
-    largest = max(term.cutoff for term in scene.pairs)
-    given = _input(scene, "dpd", f"{scene.dynamics.thermal_energy} {largest} 34387", [], {})
-    lines = [f"pair_style hybrid/overlay mdpd/rhosum mdpd {scene.dynamics.thermal_energy} {largest} 34387"]
-    lines += [f"pair_coeff {_types(term)} mdpd/rhosum {term.parameters[5]}" for term in scene.pairs]
-    for term in scene.pairs:
-        a, b, _, _, cutoff, reach = term.parameters
-        lines.append(f"pair_coeff {_types(term)} mdpd {a} {b} {term.drag} {cutoff} {reach}")
-    motion = f"fix motion all mvv/dpd {scene.dynamics.prediction}"
-    return replace(
-        given,
-        box=["atom_style mdpd" if line.startswith("atom_style") else line for line in given.box],
-        dynamics=[motion if line.startswith("fix motion") else line for line in given.dynamics],
-        pairs={"mdpd": lines},
-    )
 
 
 def _types(term: PairTerm) -> str:
@@ -229,7 +173,7 @@ def _input(
                 f"pair_style {name} {settings}",
                 *(f"pair_coeff {line}" for line in coefficients),
             ]
-            for name in _VARIANTS[style]
+            for name in _VARIANTS.get(style, ())
         },
         neighbours={f"skin {skin}": [f"neighbor {skin} bin", _CHECKED] for skin in SKINS} | more,
         data=data,

@@ -294,11 +294,10 @@ def _has_drag(scene: Scene) -> bool:
 
 
 def _check_accelerator(scene: Scene, options: EngineOptions) -> None:
-    """Refuse packages with which LAMMPS loses what beads carry."""
-    carrying = scene.heat is not None or scene.transport is not None or scene.many_body is not None
-    if options.accelerator and carrying:
-        message = "accelerator switches do not go with beads that carry heat, dissolved species or local densities"
-        raise InputError(f"{message}: LAMMPS's packages have none of their styles, and OPENMP loses beads of edpd")
+    """Refuse packages with which LAMMPS gets wrong what beads carry."""
+    if options.accelerator and (scene.heat is not None or scene.transport is not None):
+        message = "accelerator switches do not go with beads that carry heat or dissolved species"
+        raise InputError(f"{message}: with LAMMPS's package OPENMP their fluxes are wrong, and no other was checked")
 
 
 def _ranks(options: EngineOptions, job: tuple[int, int] | None) -> int:

@@ -63,6 +63,8 @@ def _fluid(scene: Scene, rate: float | None) -> tuple[Fluid, str]:
     reach = (1.0 + SKIN) * reach_of(scene)
     density = scene.bead_count / abs(float(np.linalg.det(scene.cell)))
     lists = 1 + len({pair.law for pair in scene.pairs if pair.law}) + any(pair.drag > 0.0 for pair in scene.pairs)
+    # Densities take a list with every pair twice and their force another; exchange takes one more.
+    lists += 3 * (scene.many_body is not None) + (scene.heat is not None) + (scene.transport is not None)
     if rate is not None:
         return Fluid(density, reach, rate * 1e6, lists), "given by --rate"
     return Fluid(density, reach, _measured(scene), lists), "measured here, LAMMPS on one rank"

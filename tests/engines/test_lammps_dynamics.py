@@ -286,7 +286,6 @@ def test_langevin_keeps_the_temperature() -> None:
 
 REFUSED = {
     "integrator": ({"ensemble_dpd_order": "second"}, "ensemble_dpd_order", "the integrator second"),
-    "lambda": ({"ensemble_dpd_lambda": "0.65"}, "ensemble_dpd_lambda", "lambda 0.65"),
     "half-step kinetic": ({"ensemble_dpd_kinetic": "half"}, "ensemble_dpd_kinetic", "half step kinetic"),
     "mixed precision": ({"precision": "mixed"}, "precision", "precision mixed"),
     "shear": ({"shear_rate": "0.1 ps^-1"}, "shear_rate", "shear rate"),

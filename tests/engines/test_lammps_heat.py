@@ -76,16 +76,18 @@ def flux_lines(capacity: float = CAPACITY) -> tuple[str, ...]:
     )
 
 
-def test_polynomials_about_another_temperature() -> None:
-    factors, reference = (0.9, -0.4, 0.3, -0.1), 2.5
+@pytest.mark.parametrize("reference", [0.4, 1.0, 2.5, 249.4])
+def test_polynomials_about_another_temperature(reference: float) -> None:
+    """LAMMPS's are about 1; 249.4 is 300 K in DL_POLY's units."""
+    factors = (0.9, -0.4, 0.3, -0.1)
     found = about_one(factors, reference)
     assert found is not None
-    for temperature in (0.3, 1.0, 2.5, 4.0):
+    for temperature in (0.7 * reference, reference, 1.4 * reference):
         x, y = temperature / reference - 1.0, temperature - 1.0
         ours = 1.0 + sum(c * x**k for k, c in enumerate(factors, 1))
         theirs = found[0] * (1.0 + sum(c * y**k for k, c in enumerate(found[1], 1)))
-        assert theirs == pytest.approx(ours, rel=1e-13)
-    assert about_one((1.0, 0.0, 0.0, 0.0), 1e300) == (0.0, ()) or about_one((1.0, 0.0, 0.0, 0.0), 1e300) is None
+        assert theirs == pytest.approx(ours, rel=1e-12)
+    assert about_one((-1.0, 0.0, 0.0, 0.0), 0.5) is None  # 0 at a temperature of 1
 
 
 @pytest.mark.parametrize("repulsion", ["constant", "scaled"])
@@ -116,10 +118,22 @@ def test_drag_of_warm_beads(team: ProcessTeam, repulsion: str) -> None:
     ours = simulations[0].state.forces - simulations[1].state.forces
     assert np.abs(ours).max() > 5.0
     assert np.abs(ours - theirs).max() <= 1e-10 * np.abs(points[0][1]).max()
+    if repulsion == "constant":  # of which drag and noise are the rest
+        laws, law = points[0][0]["conservative"], simulations[0].observe().stress_parts["conservative"]
+        assert np.abs(laws / points[0][0]["volume"] - law).max() <= 1e-9 * np.abs(law).max()
     part = "drag" if repulsion == "constant" else "conservative"
     seen = (points[0][0][part] - points[1][0][part]) / points[0][0]["volume"]
     parts = [simulation.observe().stress_parts["drag"] for simulation in simulations]
     assert np.abs(seen - (parts[0] - parts[1])).max() <= 1e-9 * np.abs(points[0][0]["drag"]).max() + 1e-9
+
+
+def test_heat_of_drag_and_noise() -> None:
+    """Of beads so fast that noise does not matter, in so short a step that they do not move."""
+    velocities = 1e4 * np.random.default_rng(3).normal(size=(500, 3))
+    scene = mixture("viscous_heating lammps", capacity=1e4, velocities=velocities, timestep=1e-9)
+    ours, theirs = (changes(simulation, 1) for simulation in in_both(scene))
+    assert np.abs(ours).max() > 3e-8
+    assert np.abs(ours - theirs).max() <= 2e-3 * np.abs(ours).max()
 
 
 def changes(simulation: Simulation, steps: int) -> FloatArray:
@@ -283,7 +297,7 @@ def test_temperatures_that_become_impossible_stop_the_run() -> None:
     """A sink takes more than there is; the native engine limits it to half of a bead's heat."""
     scene = mixture("source species A -40.0", control=STILL, capacity=1e4, timestep=0.002)
     simulation = Simulation(scene, seed=1, engine="lammps")
-    with pytest.raises(RunError, match=r"an internal temperature has become -.* by step 20: LAMMPS's steps"):
+    with pytest.raises(RunError, match=r"an internal temperature has become -.* by step \d+: LAMMPS's steps"):
         simulation.run(20)
 
 
@@ -331,7 +345,7 @@ def test_boxes_of_tilted_cells() -> None:
 
 def test_accelerators_are_refused() -> None:
     scene = mixture(*flux_lines(), control=STILL)
-    with pytest.raises(InputError, match="accelerator switches do not go with beads that carry heat"):
+    with pytest.raises(InputError, match="accelerator switches do not go with beads that carry heat or"):
         Simulation(scene, engine="lammps", accelerator="-sf omp -pk omp 1")
 
 
@@ -354,13 +368,16 @@ def test_profiles_on_two_ranks() -> None:
             simulation.run(5)
             seen, state = simulation.observe(), simulation.state
             layers = np.floor((state.positions[:, 1] / 6.0 + 0.5) * 8).astype(int) % 8
-            profile = [float(state.temperature[layers == k].mean()) for k in range(8)]  # type: ignore[index]
+            warm = state.temperature
+            assert warm is not None
+            # The mean wanders with the numbers of beads in both halves; the account has it.
+            profile = [float(warm[layers == k].mean() - warm.mean()) for k in range(8)]
             rows.append([seen.temperature, seen.pressure, *profile])
         found.append(block_errors(rows))
     (ours, error), (theirs, other) = found
     both = np.hypot(error, other)
     assert both[0] < 0.02
-    assert both[1] < 0.4
-    assert np.all(both[2:] < 0.002)
+    assert both[1] < 2.0  # of 100; drag and noise are in it
+    assert np.all(both[2:] < 0.003)
     assert ours[2:].max() - ours[2:].min() > 0.05
-    assert np.all(np.abs(ours - theirs) <= 4.0 * both + [0, 0, *[2e-4] * 8]), (ours, theirs, both)
+    assert np.all(np.abs(ours - theirs) <= 4.0 * both), (ours, theirs, both)

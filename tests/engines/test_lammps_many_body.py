@@ -187,6 +187,15 @@ def test_whole_runs_and_checkpoints(tmp_path: Path) -> None:
         assert again.step == 15
 
 
+def test_accelerator_switches() -> None:
+    """Which are refused where beads carry heat or dissolved species."""
+    plain, fast = (Simulation(mixture(), seed=1, engine="lammps", accelerator=a) for a in ("", "-sf omp -pk omp 1"))
+    for simulation in (plain, fast):
+        simulation.run(20)
+    assert_same_frame(plain, fast, forces=1e-10)
+    assert_same_densities(plain, fast)
+
+
 @pytest.mark.slow
 def test_averages_of_a_liquid_on_two_ranks() -> None:
     """T, P, the attraction's energy and the mean density of the bulk differ by less than four standard errors."""

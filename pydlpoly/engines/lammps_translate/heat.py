@@ -49,8 +49,8 @@ HEAT: tuple[tuple[str, str, str], ...] = (
     (
         "`viscous_heating lammps`",
         "`edpd`",
-        "the same formula of order 1/C_v; LAMMPS's has the noise of the forces in it. Refused between beads of unequal "
-        "masses, because LAMMPS takes that of one of them",
+        "the same formula. Refused between beads of unequal masses, because LAMMPS takes that of one of them. In "
+        "molecules LAMMPS gives this heat to pairs that bonds exclude, too",
     ),
     ("`viscous_heating conserving`", "refused where there is drag", "LAMMPS divides that heat by C_v twice"),
     (

@@ -90,9 +90,8 @@ class Observed:
         drag = _tensor(seen, "c_p_drag") if self.drag else np.zeros((3, 3))
         pair = _tensor(seen, "c_p_pair")
         if self.drag_is_rest is not None:
-            drag = (
-                pair - charge - sum((_tensor(seen, f"c_p_law{k}") for k in range(len(self.drag_is_rest))), 0.0 * pair)
-            )
+            laws = [_tensor(seen, f"c_p_law{k}") for k in range(len(self.drag_is_rest))]
+            drag = pair - charge - np.sum([np.zeros((3, 3)), *laws], axis=0)
         bonded = [_tensor(seen, f"c_p_{kind}") if kind in self.kinds else np.zeros((3, 3)) for kind in _KINDS]
         energies = [seen[_NAMES[_ENERGIES[kind]]] if kind in self.kinds else 0.0 for kind in _KINDS]
         return {
