@@ -108,7 +108,8 @@ DLPOLY_ALWAYS_INLINE std::size_t run_exchange(const HeatRound& round, std::size_
     const double unit = 1.0 / reference;
     const std::size_t count = end - begin;
     const std::size_t whole = whole_lanes(count);
-    Lanes of_first, of_second, kappa, slope, relaxation, lost, gain, new_first, new_second;
+    Lanes of_first, of_second, capacity_of_first, capacity_of_second, inverse_of_first, inverse_of_second;
+    Lanes kappa, slope, relaxation, lost, gain, new_first, new_second;
     std::uint64_t strong = 0;
     for (std::size_t k = 0; k < whole; ++k) {
         const double a = temperature[first[k]];
@@ -120,13 +121,18 @@ DLPOLY_ALWAYS_INLINE std::size_t run_exchange(const HeatRound& round, std::size_
         const bool conducts = conductivity > 0.0;
         kappa[k] = conducts ? conductivity : 0.0;
         slope[k] = conducts ? pair.conductivity * HeatPairs::slope(pair.conduction, x) / reference : 0.0;
-        const double inverse = inverse_capacity[first[k]] + inverse_capacity[second[k]];
+        const double of_a = inverse_capacity[first[k]];
+        const double of_b = inverse_capacity[second[k]];
         const double ratio = 0.25 * (a / b + 2.0 + b / a);
-        const double relaxed =
-            capacity[first[k]] * capacity[second[k]] * inverse * kappa[k] * step_weight[k] * ratio;
+        const double both = capacity[first[k]] * capacity[second[k]];
+        const double relaxed = both * (of_a + of_b) * kappa[k] * step_weight[k] * ratio;
         strong |= relaxed > gentle ? 1U : 0U;
         of_first[k] = a;
         of_second[k] = b;
+        capacity_of_first[k] = capacity[first[k]];
+        capacity_of_second[k] = capacity[second[k]];
+        inverse_of_first[k] = of_a;
+        inverse_of_second[k] = of_b;
         relaxation[k] = relaxed;
         lost[k] = lost_by_series(relaxed);
     }
@@ -141,11 +147,11 @@ DLPOLY_ALWAYS_INLINE std::size_t run_exchange(const HeatRound& round, std::size_
     for (std::size_t k = 0; k < whole; ++k) {
         const double a = of_first[k];
         const double b = of_second[k];
-        const double of_a = inverse_capacity[first[k]];
-        const double of_b = inverse_capacity[second[k]];
-        const double both = capacity[first[k]] * capacity[second[k]];
-        const double energy_a = capacity[first[k]] * a;
-        const double energy_b = capacity[second[k]] * b;
+        const double of_a = inverse_of_first[k];
+        const double of_b = inverse_of_second[k];
+        const double both = capacity_of_first[k] * capacity_of_second[k];
+        const double energy_a = capacity_of_first[k] * a;
+        const double energy_b = capacity_of_second[k] * b;
         const double mean = 0.5 * (a + b);
         const double common = 1.0 / (of_a + of_b);
         const double variance = lost[k] * (2.0 - lost[k]) * common;  // 1 − e^{−2x}

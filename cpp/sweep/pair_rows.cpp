@@ -111,34 +111,48 @@ void PairRows::find_pairs(std::int32_t place, Scratch& scratch) const {
 // Adds the pairs of a bead with those found around it. All are written, and counted where they act.
 void PairRows::append(std::uint32_t i, const ListEntry* found, const ListEntry* last, Row& row) const {
     row.make_room(row.count + static_cast<std::size_t>(last - found) + 1);
-    const std::vector<std::uint32_t>& order = cells_.order();
+    // Copies, because the compiler must suppose that storing images changes everything else.
+    std::uint32_t* const to_i = row.i.data();
+    std::uint32_t* const to_j = row.j.data();
+    std::uint32_t* const to_term = row.term.data();
+    std::uint8_t* const to_image = row.image.data();
+    double* const to_dx = row.dx.data();
+    double* const to_dy = row.dy.data();
+    double* const to_dz = row.dz.data();
+    double* const to_squared = row.squared.data();
+    const double* const all_x = x_.data();
+    const double* const all_y = y_.data();
+    const double* const all_z = z_.data();
+    const std::int32_t* const species = species_.data();
+    const double* const reach_squared = reach_squared_.data();
+    const ShiftRecord* const shifts = lattice_.vectors.data();
+    const std::uint32_t* const order = cells_.order().data();
+    const ImageCodes* const codes = has_images() ? lattice_.codes.data() : nullptr;
     const bool any_excluded = !exclusions_.empty();
     const bool skips = skip_frozen_ && frozen_[i] != 0;
-    const bool several_images = has_images();
-    const auto first_term = static_cast<std::uint32_t>(species_[i] * species_count_);
-    const double x = x_[i], y = y_[i], z = z_[i];
+    const auto first_term = static_cast<std::uint32_t>(species[i] * species_count_);
+    const double x = all_x[i], y = all_y[i], z = all_z[i];
     std::size_t k = row.count;
     for (const ListEntry* entry = found; entry != last; ++entry) {
         const std::uint32_t j = entry->bead;
-        const std::uint32_t term = first_term + static_cast<std::uint32_t>(species_[j]);
-        const ShiftRecord& shift = lattice_.vectors[entry->image];
-        const double dx = (x - x_[j]) - shift.x;
-        const double dy = (y - y_[j]) - shift.y;
-        const double dz = (z - z_[j]) - shift.z;
+        const std::uint32_t term = first_term + static_cast<std::uint32_t>(species[j]);
+        const ShiftRecord& shift = shifts[entry->image];
+        const double dx = (x - all_x[j]) - shift.x;
+        const double dy = (y - all_y[j]) - shift.y;
+        const double dz = (z - all_z[j]) - shift.z;
         const double squared = dx * dx + dy * dy + dz * dz;
-        row.i[k] = i;
-        row.j[k] = j;
-        row.term[k] = term;
-        row.dx[k] = dx;
-        row.dy[k] = dy;
-        row.dz[k] = dz;
-        row.squared[k] = squared;
-        row.image[k] =
-            several_images ? lattice_.codes[entry->image].code[order[i] < order[j] ? 0 : 1] : std::uint8_t{0};
+        to_i[k] = i;
+        to_j[k] = j;
+        to_term[k] = term;
+        to_image[k] = codes != nullptr ? codes[entry->image].code[order[i] < order[j] ? 0 : 1] : std::uint8_t{0};
+        to_dx[k] = dx;
+        to_dy[k] = dy;
+        to_dz[k] = dz;
+        to_squared[k] = squared;
         // A bead and its own image have nothing to exchange, and coincident beads define no direction.
-        bool acts = (i != j) & (squared < reach_squared_[term]) & (squared != 0.0) & !(skips && frozen_[j] != 0);
-        if (any_excluded) {
-            acts = acts && !exclusions_.contains(order[i], order[j]);
+        bool acts = (i != j) & (squared < reach_squared[term]) & (squared != 0.0);
+        if (skips || any_excluded) {
+            acts = acts && !(skips && frozen_[j] != 0) && !exclusions_.contains(order[i], order[j]);
         }
         k += acts ? 1 : 0;
     }
