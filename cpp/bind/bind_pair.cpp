@@ -130,8 +130,8 @@ std::vector<std::string> mixing_rules() {
     return {dlpoly::pair::mixing_rule_names.begin(), dlpoly::pair::mixing_rule_names.end()};
 }
 
-std::pair<std::vector<std::uint32_t>, std::vector<std::uint32_t>> pair_rounds(const std::vector<std::uint32_t>& first,
-                                                                              const std::vector<std::uint32_t>& second) {
+std::pair<std::vector<std::uint32_t>, std::vector<std::uint32_t>> pair_rounds(
+    const std::vector<std::uint32_t>& first, const std::vector<std::uint32_t>& second) {
     if (first.size() != second.size()) {
         throw std::invalid_argument("pairs have two beads each");
     }

@@ -138,8 +138,7 @@ void HeatExchange::make_normals(Turns& turns, const StepSettings& settings, std:
         for (std::size_t k = 0; k < pairs; ++k) {
             const auto [low, high] = std::minmax(order[turns.first[k]], order[turns.second[k]]);
             const auto image = static_cast<std::uint8_t>(rows_.has_images() ? turns.image[k] : 0);
-            turns.normal[k] =
-                normal_of(k, gaussian(draw(settings.seed, Stream::heat_noise, step, low, high, image)));
+            turns.normal[k] = normal_of(k, gaussian(draw(settings.seed, Stream::heat_noise, step, low, high, image)));
         }
         return;
     }
@@ -177,15 +176,9 @@ void HeatExchange::exchange(const PairRows::Row& row, Turns& turns, const StepSe
     loops_->weights[one_term_ ? 1 : 0][quadratic_ ? 1 : 0](
         {turns.squared.data(), turns.term.data(), row.size(), pairs, settings.timestep, turns.weight.data()});
     make_normals(turns, settings, step);
-    const HeatRound round{turns.first.data(),
-                          turns.second.data(),
-                          turns.term.data(),
-                          turns.weight.data(),
-                          turns.normal.data(),
-                          pairs,
-                          pairs_->reference(),
-                          temperature_.data(),
-                          capacity_.data(),
+    const HeatRound round{turns.first.data(),      turns.second.data(), turns.term.data(),
+                          turns.weight.data(),     turns.normal.data(), pairs,
+                          pairs_->reference(),     temperature_.data(), capacity_.data(),
                           inverse_capacity_.data()};
     std::array<UnusualGain, heat_round_capacity> unusual;
     const std::vector<std::uint32_t>& start = turns.rounds.start();

@@ -185,20 +185,20 @@ DLPOLY_ALWAYS_INLINE std::size_t run_exchange(const HeatRound& round, std::size_
 }
 
 // `flatten` draws everything into the loop, so that nothing compiled for these sets can be met elsewhere.
-#define DLPOLY_LOOPS_FOR(set, attribute)                                                                         \
-    attribute void set##_powers(const HeatWeights& loop) { run_weights<false, false>(loop); }                    \
-    attribute void set##_squares(const HeatWeights& loop) { run_weights<false, true>(loop); }                    \
-    attribute void set##_one_power(const HeatWeights& loop) { run_weights<true, false>(loop); }                  \
-    attribute void set##_one_square(const HeatWeights& loop) { run_weights<true, true>(loop); }                  \
-    attribute void set##_normals(const HeatWords& loop) { run_normals(loop); }                                   \
-    attribute std::size_t set##_many(const HeatRound& r, std::size_t begin, std::size_t end, UnusualGain* out) { \
-        return run_exchange<false>(r, begin, end, out);                                                          \
-    }                                                                                                            \
-    attribute std::size_t set##_one(const HeatRound& r, std::size_t begin, std::size_t end, UnusualGain* out) {  \
-        return run_exchange<true>(r, begin, end, out);                                                           \
-    }                                                                                                            \
+#define DLPOLY_LOOPS_FOR(set, attribute)                                                                              \
+    attribute void set##_powers(const HeatWeights& loop) { run_weights<false, false>(loop); }                         \
+    attribute void set##_squares(const HeatWeights& loop) { run_weights<false, true>(loop); }                         \
+    attribute void set##_one_power(const HeatWeights& loop) { run_weights<true, false>(loop); }                       \
+    attribute void set##_one_square(const HeatWeights& loop) { run_weights<true, true>(loop); }                       \
+    attribute void set##_normals(const HeatWords& loop) { run_normals(loop); }                                        \
+    attribute std::size_t set##_many(const HeatRound& r, std::size_t begin, std::size_t end, UnusualGain* out) {      \
+        return run_exchange<false>(r, begin, end, out);                                                               \
+    }                                                                                                                 \
+    attribute std::size_t set##_one(const HeatRound& r, std::size_t begin, std::size_t end, UnusualGain* out) {       \
+        return run_exchange<true>(r, begin, end, out);                                                                \
+    }                                                                                                                 \
     constexpr HeatExchangeLoops set##_loops{{{&set##_powers, &set##_squares}, {&set##_one_power, &set##_one_square}}, \
-                                            &set##_normals,                                                      \
+                                            &set##_normals,                                                           \
                                             {&set##_many, &set##_one}};
 
 DLPOLY_LOOPS_FOR(plain, )

@@ -1,4 +1,4 @@
-// The loops of the exchange of heat over pairs that share no bead (see heat_exchange.hpp for the formulas). Compiled for
+// The loops of the exchange of heat over pairs that share no bead; the formulas are in heat_exchange.hpp. Compiled for
 // every instruction set, as the pair laws are; all give the same bits.
 #pragma once
 
@@ -27,7 +27,7 @@ struct HeatWords {
     const std::uint32_t* order;  // ids
     const float* quantiles;      // of normal_table()
     std::int32_t* mixed;         // words of the pairs
-    double* normal;              // what the bead of the smaller id gains is the other's loss: as the first of a pair sees it
+    double* normal;  // positive: the first bead gains; a pair's number belongs to the bead of the smaller id
 };
 
 // Of one round of pairs: the places [begin, end) of arrays that hold batch_lanes more.
@@ -39,7 +39,7 @@ struct HeatRound {
     const double* normal;
     const HeatPair* pairs;
     double reference;
-    double* temperature;             // by bead, in sorted order
+    double* temperature;  // by bead, in sorted order
     const double* capacity;
     const double* inverse_capacity;  // 0 where the temperature is held
 };

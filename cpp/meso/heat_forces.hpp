@@ -15,7 +15,8 @@ namespace dlpoly {
 class HeatForces final : public PairModifier {
   public:
     // The noise of the pair table must be that of the reference temperature.
-    explicit HeatForces(std::shared_ptr<const HeatPairs> pairs) : pairs_(std::move(pairs)), loops_(&heat_motion_loops()) {}
+    explicit HeatForces(std::shared_ptr<const HeatPairs> pairs)
+        : pairs_(std::move(pairs)), loops_(&heat_motion_loops()) {}
 
     void prepare(PairForces& pairs, const Box& box, const Particles& particles, int threads) override;
     void change_conservative(const PairBatch& batch, BatchResult& result) const override;

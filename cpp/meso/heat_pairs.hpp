@@ -44,7 +44,6 @@ class HeatPairs {
     [[nodiscard]] const HeatPair& at(std::uint32_t term) const noexcept { return pairs_[term]; }
     [[nodiscard]] const std::vector<HeatPair>& all() const noexcept { return pairs_; }
     [[nodiscard]] double reference() const noexcept { return reference_; }
-
     [[nodiscard]] double weight_exponent() const noexcept { return weight_exponent_; }
 
     [[nodiscard]] static double value(const HeatPair::Polynomial& c, double x) noexcept {
@@ -68,7 +67,8 @@ class HeatPairs {
     // s of w^D = (1 − r/r_c)^s.
     static constexpr double least_weight_exponent = 0.01;
     [[nodiscard]] double weight_exponent(std::uint32_t term, double mean) const noexcept {
-        return std::max(least_weight_exponent, weight_exponent_ * value(pairs_[term].weight, mean * inverse_reference_ - 1.0));
+        const double x = mean * inverse_reference_ - 1.0;
+        return std::max(least_weight_exponent, weight_exponent_ * value(pairs_[term].weight, x));
     }
     [[nodiscard]] bool weight_varies(std::uint32_t term) const noexcept { return pairs_[term].weight != none; }
     [[nodiscard]] bool drag_varies(std::uint32_t term) const noexcept { return pairs_[term].drag != none; }

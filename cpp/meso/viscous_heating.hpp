@@ -40,7 +40,7 @@ class ViscousHeating final : public BeadProcess, private MotionVisitor {
     void advance(State& state, Forces& forces, const StepSettings& settings) override;
 
   private:
-    struct Part {  // of a thread
+    struct Part {              // of a thread
         WideSum ahead;         // twice it
         double largest = 0.0;  // in units of the largest term that fits
         std::array<std::int64_t, batch_capacity + batch_lanes> heat_of_pair, ahead_of_pair;
@@ -65,8 +65,8 @@ class ViscousHeating final : public BeadProcess, private MotionVisitor {
     double timestep_ = 0.0;
     int exponent_ = 0;
     double scale_ = 1.0;
-    double kicked_ = 1.0;           // 0 at a start: the present velocities are those of the drag
-    std::uint64_t step_ = no_step;  // that the sums belong to
+    double kicked_ = 1.0;            // 0 at a start: the present velocities are those of the drag
+    std::uint64_t step_ = no_step;   // that the sums belong to
     std::vector<HeatedBead> beads_;  // sorted
     std::vector<std::int64_t> sums_;
     std::vector<std::uint32_t> order_;

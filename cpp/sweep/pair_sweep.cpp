@@ -114,7 +114,7 @@ PairSituation PairSweep::situation(const Row& row, std::size_t k, const SweepSet
         const double a = one.temperature;
         const double b = other.temperature;
         const double mean = 0.5 * (a + b);
-        const double log_slope = heat.weight_varies(term)  ? heat.log_slope(term, mean, std::log(closeness))
+        const double log_slope = heat.weight_varies(term) ? heat.log_slope(term, mean, std::log(closeness))
                                  : heat.drag_varies(term) ? heat.log_slope(term, mean, 0.0)
                                                           : 0.0;
         const double more =
