@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/typing.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -18,6 +19,7 @@
 #include "pair/registry.hpp"
 #include "pair/shift.hpp"
 #include "pair/tail.hpp"
+#include "sweep/pair_rounds.hpp"
 
 namespace py = pybind11;
 
@@ -128,6 +130,25 @@ std::vector<std::string> mixing_rules() {
     return {dlpoly::pair::mixing_rule_names.begin(), dlpoly::pair::mixing_rule_names.end()};
 }
 
+std::pair<std::vector<std::uint32_t>, std::vector<std::uint32_t>> pair_rounds(
+    const std::vector<std::uint32_t>& first, const std::vector<std::uint32_t>& second) {
+    if (first.size() != second.size()) {
+        throw std::invalid_argument("pairs have two beads each");
+    }
+    PairRows::Row row;
+    std::size_t beads = 0;
+    row.make_room(first.size());
+    row.count = first.size();
+    for (std::size_t k = 0; k < first.size(); ++k) {
+        row.i[k] = first[k];
+        row.j[k] = second[k];
+        beads = std::max<std::size_t>({beads, first[k] + std::size_t{1}, second[k] + std::size_t{1}});
+    }
+    PairRounds rounds;
+    rounds.arrange(row, beads);
+    return {rounds.place(), rounds.start()};
+}
+
 }  // namespace
 
 void bind_pair(py::module_& module) {
@@ -146,6 +167,8 @@ void bind_pair(py::module_& module) {
                py::arg("drag_i"), py::arg("drag_j"),
                "Parameters and drag of the pair i-j from those of i-i and j-j, which follow the same pair law.\n\n"
                "Raises ValueError for laws that cannot be mixed and for numbers the rule cannot take.");
+    module.def("pair_rounds", &pair_rounds, py::arg("first"), py::arg("second"),
+               "Pairs of beads in rounds without common beads: each pair's place, and where the rounds start.");
     module.def("mixing_rules", &mixing_rules, "Names of the mixing rules; DL_POLY's spellings are accepted as well.");
 }
 

@@ -91,6 +91,10 @@ void PairForces::compute(const Box& box, Particles& particles, const Array3N& ve
     for (bool fits = false; !fits;) {
         walk.scale = std::ldexp(1.0, exponent);
         walk.energy_scale = std::ldexp(1.0, energy_exponent);
+        if (walk.motion && watcher_ != nullptr) {
+            walk.motion_visitor = watcher_;
+            watcher_->begin(list_.order(), velocity, request, walk.threads);
+        }
         const Largest largest = visit_pairs(walk);
         fits = largest.force < 1.0 && largest.energy < 1.0;
         exponent -= largest.force >= 1.0 ? std::ilogb(largest.force) + 1 : 0;
@@ -164,7 +168,7 @@ void PairForces::visit_motion(const Box& box, const Particles& particles, const 
     update_list(box, particles, walk.threads);
     prepare_modifiers(box, particles, walk.threads, false);
     gather_motion(velocity, request, walk.threads);
-    visitor.begin(list_.order(), walk.threads);
+    visitor.begin(list_.order(), velocity, request, walk.threads);
     static_cast<void>(visit_pairs(walk));
 }
 
@@ -389,6 +393,9 @@ void PairForces::finish_batch(const PairWalk& walk, PairWorker& worker) {
     const bool motion = walk.motion && table_.drags()[batch.term].drag > 0.0;
     if (motion) {
         find_motion(batch, result, walk.request);
+        if (walk.motion_visitor != nullptr) {
+            walk.motion_visitor->visit(batch, result, thread_number());
+        }
     }
     bool fits = phases_->round(batch, result, motion, walk.scale);
     if (fits) {
@@ -416,6 +423,13 @@ void PairForces::finish_batch(const PairWalk& walk, PairWorker& worker) {
 
 // Drag and noise of a batch with all that changes them.
 void PairForces::find_motion(const PairBatch& batch, BatchResult& result, const ForceRequest& request) const {
+    const auto changes_weight = [&batch](const auto& modifier) { return modifier->changes_weight(batch.term); };
+    if (request.weight_exponent != 2.0 && std::any_of(modifiers_.begin(), modifiers_.end(), changes_weight)) {
+        ForceRequest squared = request;
+        squared.weight_exponent = 2.0;
+        find_motion(batch, result, squared);
+        return;
+    }
     evaluate_motion(batch, result, request);
     if (request.shear_rate != 0.0 && request.drag) {
         add_drag_of_shear(batch, result, request);

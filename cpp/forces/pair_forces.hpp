@@ -66,6 +66,9 @@ class PairForces {
     void visit_motion(const Box& box, const Particles& particles, const Array3N& velocity, const ForceRequest& request,
                       MotionVisitor& visitor);
 
+    // Shows them also while compute() finds them; the visitor must live as long as this, nullptr ends it.
+    void watch_motion(MotionVisitor* watcher) noexcept { watcher_ = watcher; }
+
     // The same for the pair list as it is, within PairModifier::prepare.
     void show(PairVisitor& visitor, int threads);
     // Ids in the order of the batches' indices.
@@ -112,6 +115,7 @@ class PairForces {
     bool any_law_or_noise_ = false;
 
     std::vector<std::shared_ptr<PairModifier>> modifiers_;
+    MotionVisitor* watcher_ = nullptr;
     std::vector<MotionRecord> motion_;  // in sorted order
     std::vector<GridForce> sums_;       // in sorted order
     std::vector<std::unique_ptr<PairWorker>> workers_;

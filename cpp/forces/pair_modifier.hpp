@@ -33,8 +33,10 @@ class PairModifier {
     virtual void change_conservative(const PairBatch& batch, BatchResult& result) const = 0;
 
     // Whether drag and noise of a pair are not those of the table alone; they are then changed by change_motion, which
-    // finds what the table and the request make of them.
+    // finds what the table and the request make of them; where it also gives the pairs of a term weights of its own,
+    // those of the exponent 2, which the request then says.
     [[nodiscard]] virtual bool changes_motion() const { return false; }
+    [[nodiscard]] virtual bool changes_weight(std::uint32_t /*term*/) const { return false; }
     virtual void change_motion(const PairBatch& /*batch*/, BatchResult& /*result*/, const PairDrag& /*drag*/,
                                const ForceRequest& /*request*/) const {}
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/exact_sum.hpp"
+#include "core/types.hpp"
 #include "forces/pair_batch.hpp"
 
 namespace dlpoly {
@@ -85,8 +86,10 @@ class MotionVisitor {
     MotionVisitor& operator=(MotionVisitor&&) = delete;
     virtual ~MotionVisitor() = default;
 
-    // Called once, before the pairs: how the batches are sorted, and how many threads there will be.
-    virtual void begin(const std::vector<std::uint32_t>& order, int threads) = 0;
+    // Called once, before the pairs of a walk: how the batches are sorted, the velocities and the request that drag and
+    // noise are found for, and how many threads there will be.
+    virtual void begin(const std::vector<std::uint32_t>& order, const Array3N& velocity, const ForceRequest& request,
+                       int threads) = 0;
     virtual void visit(const PairBatch& batch, const BatchResult& result, int thread) = 0;
 };
 

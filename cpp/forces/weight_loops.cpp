@@ -28,30 +28,12 @@ DLPOLY_ALWAYS_INLINE void run_common(const Pairs& pairs, double exponent, double
     }
 }
 
-DLPOLY_ALWAYS_INLINE void run_each(const Pairs& pairs, const double* DLPOLY_RESTRICT exponent,
-                                   double* DLPOLY_RESTRICT raised, double* DLPOLY_RESTRICT logarithm) {
-    const double* DLPOLY_RESTRICT squared = pairs.distance_squared;
-    const double cutoff = pairs.cutoff;
-    const std::size_t whole = pairs.count / batch_lanes * batch_lanes;
-    for (std::size_t k = 0; k < whole; ++k) {
-        const double closeness = 1.0 - std::sqrt(squared[k]) / cutoff;
-        const bool some = closeness > 0.0;
-        logarithm[k] = power::logarithm(some ? closeness : 1.0);
-        const double value = power::exponential(exponent[k] * logarithm[k]);
-        raised[k] = some ? value : 0.0;
-    }
-}
-
-#define DLPOLY_WEIGHT_LOOPS(set, target)                                                                \
-    target void set##_common(const double* squared, double cutoff, double exponent, double* power,      \
-                             std::size_t count) {                                                       \
-        run_common({squared, cutoff, count}, exponent, power);                                          \
-    }                                                                                                   \
-    target void set##_each(const double* squared, double cutoff, const double* exponent, double* power, \
-                           double* logarithm, std::size_t count) {                                      \
-        run_each({squared, cutoff, count}, exponent, power, logarithm);                                 \
-    }                                                                                                   \
-    constexpr WeightLoops set##_loops{&set##_common, &set##_each};
+#define DLPOLY_WEIGHT_LOOPS(set, target)                                                           \
+    target void set##_common(const double* squared, double cutoff, double exponent, double* power, \
+                             std::size_t count) {                                                  \
+        run_common({squared, cutoff, count}, exponent, power);                                     \
+    }                                                                                              \
+    constexpr WeightLoops set##_loops{&set##_common};
 
 DLPOLY_WEIGHT_LOOPS(plain, )
 #ifdef DLPOLY_LAW_VECTORS

@@ -9,9 +9,6 @@ namespace dlpoly {
 struct WeightLoops {
     // power[k] = (1 − r/cutoff)^exponent, 0 beyond the cutoff; `count` is a multiple of batch_lanes.
     void (*common)(const double* distance_squared, double cutoff, double exponent, double* power, std::size_t count);
-    // The same with an exponent for every pair; also logarithm[k] = ln(1 − r/cutoff), 0 beyond the cutoff.
-    void (*each)(const double* distance_squared, double cutoff, const double* exponent, double* power,
-                 double* logarithm, std::size_t count);
 };
 
 const WeightLoops& weight_loops();

@@ -2,7 +2,6 @@
 #include "meso/heat_forces.hpp"
 
 #include <array>
-#include <cmath>
 
 #include "forces/pair_forces.hpp"
 
@@ -21,14 +20,24 @@ void HeatForces::prepare(PairForces& pairs, const Box& /*box*/, const Particles&
     }
 }
 
+namespace {
+
+HeatBatch lanes_of(const PairBatch& batch) {
+    return {batch.i.values, batch.j.values, batch.distance_squared.values,
+            (batch.size + batch_lanes - 1) / batch_lanes * batch_lanes};
+}
+
+}  // namespace
+
 void HeatForces::change_conservative(const PairBatch& batch, BatchResult& result) const {
     if (!pairs_->scaled_repulsion) {
         return;
     }
+    std::array<double, batch_capacity + batch_lanes> factor;
+    loops_->repulsion({lanes_of(batch), beads_.data(), pairs_->reference(), factor.data()});
     for (std::size_t k = 0; k < batch.size; ++k) {
-        const double factor = mean(batch, k) / pairs_->reference();
-        result.energy.values[k] *= factor;
-        result.conservative.values[k] *= factor;
+        result.energy.values[k] *= factor[k];
+        result.conservative.values[k] *= factor[k];
     }
 }
 
@@ -36,45 +45,20 @@ void HeatForces::change_curvature(const PairBatch& batch, double* curvature) con
     if (!pairs_->scaled_repulsion) {
         return;
     }
+    std::array<double, batch_capacity + batch_lanes> factor;
+    loops_->repulsion({lanes_of(batch), beads_.data(), pairs_->reference(), factor.data()});
     for (std::size_t k = 0; k < batch.size; ++k) {
-        curvature[k] *= mean(batch, k) / pairs_->reference();
+        curvature[k] *= factor[k];
     }
 }
 
 void HeatForces::change_motion(const PairBatch& batch, BatchResult& result, const PairDrag& drag,
                                const ForceRequest& request) const {
-    using Lanes = std::array<double, batch_capacity + batch_lanes>;
     const std::uint32_t term = batch.term;
-    const std::size_t whole = (batch.size + batch_lanes - 1) / batch_lanes * batch_lanes;
-    Lanes average;
-    Lanes weight;  // w^D over that of the table's exponent
-    weight.fill(1.0);
-    Lanes logarithm;  // of 1 − r/r_c
-    logarithm.fill(0.0);
-    for (std::size_t k = 0; k < whole; ++k) {
-        average[k] = mean(batch, k);
-    }
-    if (pairs_->weight_varies(term)) {
-        Lanes change;
-        for (std::size_t k = 0; k < whole; ++k) {
-            change[k] = pairs_->weight_exponent(term, average[k]) - request.weight_exponent;
-        }
-        // Outside the drag's own range drag and noise are 0 already.
-        weights_->each(batch.distance_squared.values, drag.cutoff, change.data(), weight.data(), logarithm.data(),
-                       whole);
-    }
-    const double unit = 1.0 / pairs_->reference();
-    const bool drag_varies = pairs_->drag_varies(term);
-    for (std::size_t k = 0; k < whole; ++k) {
-        const Bead& one = beads_[batch.i.values[k]];
-        const Bead& other = beads_[batch.j.values[k]];
-        const double a = one.temperature;
-        const double b = other.temperature;
-        const double factor = drag_varies ? weight[k] * pairs_->drag_factor(term, average[k]) : weight[k];
-        result.drag.values[k] *= factor * (1.0 + pairs_->drag_of_noise(term, a, b, one.inverse_capacity,
-                                                                       other.inverse_capacity, logarithm[k]));
-        result.noise.values[k] *= std::sqrt(factor * HeatPairs::thermal_energy(a, b) * unit);
-    }
+    const std::size_t changes = (pairs_->weight_varies(term) ? 1U : 0U) + (pairs_->drag_varies(term) ? 2U : 0U);
+    loops_->motion[changes]({lanes_of(batch), beads_.data(), &pairs_->at(term), pairs_->reference(),
+                             pairs_->weight_exponent(), request.weight_exponent, drag.cutoff, result.drag.values,
+                             result.noise.values});
 }
 
 }  // namespace dlpoly

@@ -44,6 +44,14 @@ class HeatPairs {
     [[nodiscard]] const HeatPair& at(std::uint32_t term) const noexcept { return pairs_[term]; }
     [[nodiscard]] const std::vector<HeatPair>& all() const noexcept { return pairs_; }
     [[nodiscard]] double reference() const noexcept { return reference_; }
+    [[nodiscard]] double weight_exponent() const noexcept { return weight_exponent_; }
+
+    [[nodiscard]] static double value(const HeatPair::Polynomial& c, double x) noexcept {
+        return 1.0 + x * (c[0] + x * (c[1] + x * (c[2] + x * c[3])));
+    }
+    [[nodiscard]] static double slope(const HeatPair::Polynomial& c, double x) noexcept {
+        return c[0] + x * (2.0 * c[1] + x * (3.0 * c[2] + x * 4.0 * c[3]));
+    }
 
     // σ² = 4γ T_i T_j/(T_i + T_j) = 2γ times this: twice the reduced temperature of the two.
     [[nodiscard]] static double thermal_energy(double a, double b) noexcept {
@@ -57,18 +65,19 @@ class HeatPairs {
     }
 
     // s of w^D = (1 − r/r_c)^s.
+    static constexpr double least_weight_exponent = 0.01;
     [[nodiscard]] double weight_exponent(std::uint32_t term, double mean) const noexcept {
-        constexpr double least = 0.01;
-        return std::max(least, weight_exponent_ * value(pairs_[term].weight, mean * inverse_reference_ - 1.0));
+        const double x = mean * inverse_reference_ - 1.0;
+        return std::max(least_weight_exponent, weight_exponent_ * value(pairs_[term].weight, x));
     }
     [[nodiscard]] bool weight_varies(std::uint32_t term) const noexcept { return pairs_[term].weight != none; }
     [[nodiscard]] bool drag_varies(std::uint32_t term) const noexcept { return pairs_[term].drag != none; }
 
     // What heat capacities add to the drag of two beads, relative to it: ½ (∂/∂ε_a + ∂/∂ε_b)(γ w^D T_r)/(γ w^D) with
     // T_r of thermal_energy(), because an impulse also changes the temperatures that its noise depends on. Of order
-    // 1/C.
-    [[nodiscard]] double drag_of_noise(std::uint32_t term, double a, double b, double inverse_capacity_a,
-                                       double inverse_capacity_b, double log_closeness) const noexcept {
+    // 1/C. `log_slope` is that of γ w^D, per T̄.
+    [[nodiscard]] static double drag_of_noise(double a, double b, double inverse_capacity_a, double inverse_capacity_b,
+                                              double log_slope) noexcept {
         constexpr double least = -0.5, most = 1.0;  // it is the first term of a series
         const double low = std::min(a, b);          // the same bits whichever of the two comes first
         const double ratio = low / std::max(a, b);
@@ -76,32 +85,19 @@ class HeatPairs {
         const double of_high = ratio * of_low;
         const double of_a = a == low ? of_low : of_high;
         const double of_b = b == low ? of_low : of_high;
-        double sum = 2.0 * (inverse_capacity_a * of_a * of_a + inverse_capacity_b * of_b * of_b);
-        if (drag_varies(term) || weight_varies(term)) {
-            const double x = 0.5 * (a + b) * inverse_reference_ - 1.0;
-            const HeatPair& pair = pairs_[term];
-            double log_slope = weight_exponent_ * slope(pair.weight, x) * log_closeness;
-            if (drag_varies(term)) {
-                log_slope += slope(pair.drag, x) / value(pair.drag, x);
-            }
-            sum += (inverse_capacity_a + inverse_capacity_b) * low * of_low * log_slope * inverse_reference_;
-        }
+        const double sum = 2.0 * (inverse_capacity_a * of_a * of_a + inverse_capacity_b * of_b * of_b) +
+                           (inverse_capacity_a + inverse_capacity_b) * low * of_low * log_slope;
         return std::isfinite(sum) ? std::clamp(0.5 * sum, least, most) : 0.0;
     }
-
-    // κ at the mean temperature of a pair, and dκ/dT̄.
-    struct Conductivity {
-        double value = 0.0;
-        double slope = 0.0;
-    };
-    [[nodiscard]] Conductivity conductivity(std::uint32_t term, double mean) const noexcept {
+    // The slope of ln(γ w^D) at a pair's mean temperature, of its weight and of its drag; ln(1 − r/r_c) is given.
+    [[nodiscard]] double log_slope(std::uint32_t term, double mean, double log_closeness) const noexcept {
         const HeatPair& pair = pairs_[term];
         const double x = mean * inverse_reference_ - 1.0;
-        const double kappa = pair.conductivity * value(pair.conduction, x);
-        if (!(kappa > 0.0)) {
-            return {};
+        double sum = weight_exponent_ * slope(pair.weight, x) * log_closeness;
+        if (drag_varies(term)) {
+            sum += slope(pair.drag, x) / value(pair.drag, x);
         }
-        return {kappa, pair.conductivity * slope(pair.conduction, x) / reference_};
+        return sum * inverse_reference_;
     }
 
     std::vector<std::uint8_t> held;  // by id: the temperature of these beads stays what it is
@@ -109,14 +105,6 @@ class HeatPairs {
 
   private:
     static constexpr HeatPair::Polynomial none{};
-
-    static double value(const HeatPair::Polynomial& c, double x) noexcept {
-        return 1.0 + x * (c[0] + x * (c[1] + x * (c[2] + x * c[3])));
-    }
-
-    static double slope(const HeatPair::Polynomial& c, double x) noexcept {
-        return c[0] + x * (2.0 * c[1] + x * (3.0 * c[2] + x * 4.0 * c[3]));
-    }
 
     std::vector<HeatPair> pairs_;  // by term
     double reference_;

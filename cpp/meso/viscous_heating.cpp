@@ -10,9 +10,23 @@
 
 namespace dlpoly {
 
-void ViscousHeating::begin(const std::vector<std::uint32_t>& order, int threads) {
+void ViscousHeating::choose_grid(int exponent) {
+    exponent_ = exponent;
+    scale_ = std::ldexp(1.0, exponent);
+}
+
+// Heat is a multiple of k_B T for all but wild starts.
+void ViscousHeating::choose_usual_grid() { choose_grid(grid_exponent(std::max(pairs_->reference(), 1e-200))); }
+
+void ViscousHeating::begin(const std::vector<std::uint32_t>& order, const Array3N& velocity,
+                           const ForceRequest& request, int threads) {
+    step_ = request.step;
     order_ = order;
-    parts_.assign(static_cast<std::size_t>(threads), {});
+    parts_.resize(static_cast<std::size_t>(threads));
+    for (Part& part : parts_) {
+        part.ahead = WideSum();
+        part.largest = 0.0;
+    }
     sums_.assign(order.size(), 0);
     beads_.resize(order.size());
     const Particles& particles = *particles_;
@@ -21,87 +35,101 @@ void ViscousHeating::begin(const std::vector<std::uint32_t>& order, int threads)
 #endif
     for (std::size_t k = 0; k < order.size(); ++k) {
         const auto id = static_cast<Eigen::Index>(order[k]);
-        beads_[k] = {velocity_->row(id).transpose(),
-                     0.5 * timestep_ * particles.inverse_mass(id) * particles.force.row(id).transpose(),
-                     particles.mass[order[k]], particles.heat_capacity[order[k]], particles.temperature[order[k]]};
+        HeatedBead& bead = beads_[k];
+        bead.mass = particles.mass[order[k]];
+        bead.capacity = particles.heat_capacity[order[k]];
+        bead.temperature = particles.temperature[order[k]];
+        const double kick = 0.5 * timestep_ * particles.inverse_mass(id);
+        for (Eigen::Index axis = 0; axis < 3; ++axis) {
+            bead.before[axis] = velocity(id, axis);
+            bead.change[axis] = kick * particles.force(id, axis);
+        }
     }
-}
-
-ViscousHeating::Work ViscousHeating::work(const PairBatch& batch, const BatchResult& result, std::size_t k) const {
-    const Bead& a = beads_[batch.i.values[k]];
-    const Bead& b = beads_[batch.j.values[k]];
-    const Vector3 apart(batch.dx.values[k], batch.dy.values[k], batch.dz.values[k]);
-    const double before = apart.dot(a.before - b.before);
-    const double drag = result.drag.values[k];
-    const double noise = result.noise.values[k];
-    if (form_ == Form::lammps) {
-        // γ w^D is −drag r²/(r·v), unless the pair does not move: then noise, whose mean square is known, is left out.
-        const double gamma = before != 0.0 ? -drag * batch.distance_squared.values[k] / before : 0.0;
-        const double variance = 2.0 * gamma * HeatPairs::thermal_energy(a.thermal_energy, b.thermal_energy);
-        const double power =
-            -drag * before - variance / (0.5 * (a.mass + b.mass)) - noise * before * std::sqrt(timestep_);
-        return {2.0 * timestep_ * power / (a.capacity + b.capacity), 0.0};
-    }
-    const double change = apart.dot(a.change - b.change);
-    const double push = 0.5 * timestep_ * (drag + noise);
-    const double ahead = push * (before + (kicked_ + 0.5) * change);  // over the velocities from v to v + change
-    return {-push * (before + 0.5 * change) - ahead, ahead};
 }
 
 void ViscousHeating::visit(const PairBatch& batch, const BatchResult& result, int thread) {
     Part& part = parts_[static_cast<std::size_t>(thread)];
-    for (std::size_t k = 0; k < batch.size; ++k) {
-        const std::uint32_t i = batch.i.values[k];
-        const std::uint32_t j = batch.j.values[k];
-        if (i == j) {
-            continue;
+    const std::size_t whole = (batch.size + batch_lanes - 1) / batch_lanes * batch_lanes;
+    const HeatOfMotion loop{{batch.i.values, batch.j.values, batch.distance_squared.values, whole},
+                            beads_.data(),
+                            batch.dx.values,
+                            batch.dy.values,
+                            batch.dz.values,
+                            result.drag.values,
+                            result.noise.values,
+                            timestep_,
+                            kicked_,
+                            scale_,
+                            part.heat_of_pair.data(),
+                            part.ahead_of_pair.data(),
+                            part.size.data()};
+    if (!(form_ == Form::lammps ? loops_->lammps : loops_->conserving)(loop)) {
+        double largest = 0.0;
+        for (std::size_t k = 0; k < batch.size; ++k) {
+            largest = std::max(largest, std::isfinite(part.size[k]) ? part.size[k] : HUGE_VAL);
         }
-        const Work done = work(batch, result, k);
-        const double heat = 0.5 * done.heat * scale_;
-        const double ahead = done.ahead * scale_;
-        const double size = std::max(std::abs(heat), std::abs(ahead)) / largest_term;
-        part.largest = std::max(part.largest, std::isfinite(size) ? size : HUGE_VAL);
-        if (size < 1.0) {
-            const std::int64_t whole = std::llrint(heat);
-            sums_[i] += whole;
-            sums_[j] += whole;
-            part.ahead.add(std::llrint(ahead));
+        part.largest = std::max(part.largest, largest);
+        if (largest >= 1.0) {
+            return;  // the sums are made once more
         }
+    }
+    for (std::size_t r = 0; r < batch.runs; ++r) {
+        const PairRun& run = batch.run.values[r];
+        std::int64_t own = 0;
+        for (std::uint32_t k = run.begin; k < run.end; ++k) {
+            own += part.heat_of_pair[k];
+            sums_[batch.j.values[k]] += part.heat_of_pair[k];
+        }
+        sums_[run.bead] += own;
+    }
+    if (form_ == Form::conserving) {
+        std::int64_t ahead = 0;
+        for (std::size_t k = 0; k < batch.size; ++k) {
+            ahead += part.ahead_of_pair[k];
+        }
+        part.ahead.add(ahead);
     }
 }
 
+double ViscousHeating::largest() const {
+    double largest = 0.0;
+    for (const Part& part : parts_) {
+        largest = std::max(largest, part.largest);
+    }
+    return largest;
+}
+
 void ViscousHeating::walk(State& state, Forces& forces, const StepSettings& settings, const Array3N& velocity) {
-    particles_ = &state.particles;
-    velocity_ = &velocity;
-    timestep_ = settings.timestep;
     const ForceRequest request = request_of(state, settings, false);
-    // Heat is a multiple of k_B T for all but wild starts; the grid gets coarser until it fits.
-    int exponent = grid_exponent(std::max(pairs_->reference(), 1e-200));
+    choose_usual_grid();
     for (bool fits = false; !fits;) {
-        scale_ = std::ldexp(1.0, exponent);
-        parts_.clear();
+        parts_.clear();  // where there are no pairs there is nothing to begin
         forces.pairs().visit_motion(state.box, state.particles, velocity, request, *this);
-        double largest = 0.0;
-        for (const Part& part : parts_) {
-            largest = std::max(largest, part.largest);
-        }
-        if (!std::isfinite(largest)) {
+        const double most = largest();
+        if (!std::isfinite(most)) {
             throw RunFailure("step " + std::to_string(state.step) +
                              ": the heat of drag and noise is not finite; the timestep is too long for the drag");
         }
-        fits = largest < 1.0;
-        exponent -= fits ? 0 : std::ilogb(largest) + 1;
+        fits = most < 1.0;
+        if (!fits) {
+            choose_grid(exponent_ - std::ilogb(most) - 1);
+        }
     }
     WideSum ahead;
     for (const Part& part : parts_) {
         ahead.add(part.ahead);
     }
-    state.heat_ahead = ahead.value(static_cast<int>(std::lround(std::log2(scale_))));
+    state.heat_ahead = ahead.value(exponent_);
 }
 
 void ViscousHeating::start(State& state, Forces& forces, const StepSettings& settings) {
     state.heat_ahead = 0.0;
+    particles_ = &state.particles;
+    timestep_ = settings.timestep;
     if (form_ != Form::conserving) {
+        choose_usual_grid();
+        step_ = no_step;
+        forces.pairs().watch_motion(this);
         return;
     }
     // The drag is that of the present velocities. No bead is charged: only what the first half kick does is noted.
@@ -111,17 +139,24 @@ void ViscousHeating::start(State& state, Forces& forces, const StepSettings& set
 }
 
 void ViscousHeating::advance(State& state, Forces& forces, const StepSettings& settings) {
-    Particles& particles = state.particles;
-    before_.resize(particles.count(), 3);
+    const bool seen = form_ == Form::lammps && step_ == state.step && timestep_ == settings.timestep &&
+                      particles_ == &state.particles && largest() < 1.0;
+    particles_ = &state.particles;
+    timestep_ = settings.timestep;
+    if (!seen) {
+        Particles& particles = state.particles;
+        before_.resize(particles.count(), 3);
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static)
 #endif
-    for (Eigen::Index i = 0; i < particles.count(); ++i) {
-        before_.row(i) =
-            particles.velocity.row(i) - 0.5 * settings.timestep * particles.inverse_mass(i) * particles.force.row(i);
+        for (Eigen::Index i = 0; i < particles.count(); ++i) {
+            before_.row(i) = particles.velocity.row(i) -
+                             0.5 * settings.timestep * particles.inverse_mass(i) * particles.force.row(i);
+        }
+        walk(state, forces, settings, before_);
     }
-    walk(state, forces, settings, before_);
     deposit(state);
+    choose_usual_grid();
 }
 
 void ViscousHeating::deposit(State& state) const {

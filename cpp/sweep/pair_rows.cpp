@@ -74,20 +74,25 @@ void PairRows::find_ranges(std::int32_t cell, Scratch& scratch) const {
     }
 }
 
+void PairRows::Row::make_room(std::size_t pairs) {
+    if (pairs <= i.size()) {
+        return;
+    }
+    const std::size_t room = std::max(pairs, 2 * i.size());
+    for (auto* array : {&i, &j, &term}) {
+        array->resize(room);
+    }
+    image.resize(room);
+    for (auto* array : {&dx, &dy, &dz, &squared}) {
+        array->resize(room);
+    }
+}
+
 void PairRows::find_pairs(std::int32_t place, Scratch& scratch) const {
     Row& row = scratch.row;
-    row.i.clear();
-    row.j.clear();
-    row.image.clear();
-    row.term.clear();
-    row.dx.clear();
-    row.dy.clear();
-    row.dz.clear();
-    row.squared.clear();
+    row.count = 0;
     const SearchArguments arguments{x_.data(), y_.data(), z_.data(), lattice_.vectors.data(), range_ * range_};
-    const std::vector<std::uint32_t>& order = cells_.order();
     const std::int32_t length = cells_.row_length();
-    const bool any_excluded = !exclusions_.empty();
     for (std::int32_t cell = place * length; cell < (place + 1) * length; ++cell) {
         const std::uint32_t end = cells_.start(cell + 1);
         if (cells_.start(cell) == end) {
@@ -98,36 +103,60 @@ void PairRows::find_pairs(std::int32_t place, Scratch& scratch) const {
             scratch.ranges.front().begin = i + 1;
             const ListEntry* last =
                 phases_->search(arguments, i, scratch.ranges.data(), scratch.ranges.size(), scratch.found.data());
-            for (const ListEntry* entry = scratch.found.data(); entry != last; ++entry) {
-                const std::uint32_t j = entry->bead;
-                // A bead and its own image have nothing to exchange.
-                if (i == j || (skip_frozen_ && frozen_[i] != 0 && frozen_[j] != 0) ||
-                    (any_excluded && exclusions_.contains(order[i], order[j]))) {
-                    continue;
-                }
-                const auto term = static_cast<std::uint32_t>(species_[i] * species_count_ + species_[j]);
-                const ShiftRecord& shift = lattice_.vectors[entry->image];
-                const double dx = (x_[i] - x_[j]) - shift.x;
-                const double dy = (y_[i] - y_[j]) - shift.y;
-                const double dz = (z_[i] - z_[j]) - shift.z;
-                const double squared = dx * dx + dy * dy + dz * dz;
-                // Coincident beads define no direction.
-                if (!(squared < reach_squared_[term]) || squared == 0.0) {
-                    continue;
-                }
-                row.i.push_back(i);
-                row.j.push_back(j);
-                row.image.push_back(lattice_.codes.empty()
-                                        ? std::uint8_t{0}
-                                        : lattice_.codes[entry->image].code[order[i] < order[j] ? 0 : 1]);
-                row.term.push_back(term);
-                row.dx.push_back(dx);
-                row.dy.push_back(dy);
-                row.dz.push_back(dz);
-                row.squared.push_back(squared);
-            }
+            append(i, scratch.found.data(), last, row);
         }
     }
+}
+
+// Adds the pairs of a bead with those found around it. All are written, and counted where they act.
+void PairRows::append(std::uint32_t i, const ListEntry* found, const ListEntry* last, Row& row) const {
+    row.make_room(row.count + static_cast<std::size_t>(last - found) + 1);
+    // Copies, because the compiler must suppose that storing images changes everything else.
+    std::uint32_t* const to_i = row.i.data();
+    std::uint32_t* const to_j = row.j.data();
+    std::uint32_t* const to_term = row.term.data();
+    std::uint8_t* const to_image = row.image.data();
+    double* const to_dx = row.dx.data();
+    double* const to_dy = row.dy.data();
+    double* const to_dz = row.dz.data();
+    double* const to_squared = row.squared.data();
+    const double* const all_x = x_.data();
+    const double* const all_y = y_.data();
+    const double* const all_z = z_.data();
+    const std::int32_t* const species = species_.data();
+    const double* const reach_squared = reach_squared_.data();
+    const ShiftRecord* const shifts = lattice_.vectors.data();
+    const std::uint32_t* const order = cells_.order().data();
+    const ImageCodes* const codes = has_images() ? lattice_.codes.data() : nullptr;
+    const bool any_excluded = !exclusions_.empty();
+    const bool skips = skip_frozen_ && frozen_[i] != 0;
+    const auto first_term = static_cast<std::uint32_t>(species[i] * species_count_);
+    const double x = all_x[i], y = all_y[i], z = all_z[i];
+    std::size_t k = row.count;
+    for (const ListEntry* entry = found; entry != last; ++entry) {
+        const std::uint32_t j = entry->bead;
+        const std::uint32_t term = first_term + static_cast<std::uint32_t>(species[j]);
+        const ShiftRecord& shift = shifts[entry->image];
+        const double dx = (x - all_x[j]) - shift.x;
+        const double dy = (y - all_y[j]) - shift.y;
+        const double dz = (z - all_z[j]) - shift.z;
+        const double squared = dx * dx + dy * dy + dz * dz;
+        to_i[k] = i;
+        to_j[k] = j;
+        to_term[k] = term;
+        to_image[k] = codes != nullptr ? codes[entry->image].code[order[i] < order[j] ? 0 : 1] : std::uint8_t{0};
+        to_dx[k] = dx;
+        to_dy[k] = dy;
+        to_dz[k] = dz;
+        to_squared[k] = squared;
+        // A bead and its own image have nothing to exchange, and coincident beads define no direction.
+        bool acts = (i != j) & (squared < reach_squared[term]) & (squared != 0.0);
+        if (skips || any_excluded) {
+            acts = acts && !(skips && frozen_[j] != 0) && !exclusions_.contains(order[i], order[j]);
+        }
+        k += acts ? 1 : 0;
+    }
+    row.count = k;
 }
 
 void PairRows::visit(bool backward, [[maybe_unused]] int threads,

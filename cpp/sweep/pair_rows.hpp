@@ -19,14 +19,16 @@ namespace dlpoly {
 
 class PairRows {
   public:
-    // The pairs of one row of cells that act on each other, in the order of their turn.
+    // The pairs of one row of cells that act on each other, in the order of their turn. The arrays may be longer.
     struct Row {
         std::vector<std::uint32_t> i, j;  // in sorted order
         std::vector<std::uint8_t> image;  // tells several images of one pair apart
         std::vector<std::uint32_t> term;  // of the pair table
         std::vector<double> dx, dy, dz, squared;
+        std::size_t count = 0;
 
-        [[nodiscard]] std::size_t size() const noexcept { return i.size(); }
+        [[nodiscard]] std::size_t size() const noexcept { return count; }
+        void make_room(std::size_t pairs);
     };
 
     enum class Frozen : std::uint8_t { skip_pairs, keep_pairs };  // of two frozen beads
@@ -44,6 +46,8 @@ class PairRows {
     // Ids of beads in sorted order; heights of theirs.
     [[nodiscard]] const std::vector<std::uint32_t>& order() const noexcept { return cells_.order(); }
     [[nodiscard]] const std::vector<double>& y() const noexcept { return y_; }
+    // Whether a pair may have several images; else all have the number 0.
+    [[nodiscard]] bool has_images() const noexcept { return !lattice_.codes.empty(); }
     // Number of rows of cells; visitors are told which one they see.
     [[nodiscard]] std::size_t count() const {
         return static_cast<std::size_t>(cells_.cell_count() / cells_.row_length());
@@ -62,6 +66,7 @@ class PairRows {
     };
     void find_pairs(std::int32_t row, Scratch& scratch) const;
     void find_ranges(std::int32_t cell, Scratch& scratch) const;
+    void append(std::uint32_t i, const ListEntry* found, const ListEntry* last, Row& row) const;
 
     std::int32_t species_count_;
     const Exclusions& exclusions_;

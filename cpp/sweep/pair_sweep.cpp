@@ -114,9 +114,11 @@ PairSituation PairSweep::situation(const Row& row, std::size_t k, const SweepSet
         const double a = one.temperature;
         const double b = other.temperature;
         const double mean = 0.5 * (a + b);
-        const double log_closeness = heat.weight_varies(term) ? std::log(closeness) : 0.0;
+        const double log_slope = heat.weight_varies(term) ? heat.log_slope(term, mean, std::log(closeness))
+                                 : heat.drag_varies(term) ? heat.log_slope(term, mean, 0.0)
+                                                          : 0.0;
         const double more =
-            1.0 + heat.drag_of_noise(term, a, b, one.inverse_capacity, other.inverse_capacity, log_closeness);
+            1.0 + HeatPairs::drag_of_noise(a, b, one.inverse_capacity, other.inverse_capacity, log_slope);
         pair.drag *= more;
         pair.thermal_energy = HeatPairs::thermal_energy(a, b) / more;
         if (heat.drag_varies(term)) {
