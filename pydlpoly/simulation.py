@@ -16,7 +16,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from operator import methodcaller
 from pathlib import Path
-from typing import Any, Protocol, get_args, runtime_checkable
+from typing import Any, NoReturn, Protocol, get_args, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -643,6 +643,9 @@ class Simulation:
         return self._engine.layer_sums(axis, layers)
 
     # Checkpoints
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a simulation is not copied or pickled as it is; save() and Simulation.resume() do that")
 
     def save(self, path: str | Path) -> None:
         """Write a checkpoint from which ``resume`` continues with the same bits; the file is replaced as a whole."""
