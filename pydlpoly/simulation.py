@@ -645,6 +645,7 @@ class Simulation:
     # Checkpoints
 
     def __reduce__(self) -> NoReturn:
+        """Refuse to be copied or pickled: the copy would share the engine."""
         raise TypeError("a simulation is not copied or pickled as it is; save() and Simulation.resume() do that")
 
     def save(self, path: str | Path) -> None:
