@@ -15,7 +15,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from operator import methodcaller
 from pathlib import Path
-from typing import Any, Protocol, get_args, runtime_checkable
+from typing import Any, NoReturn, Protocol, get_args, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -510,6 +510,10 @@ class Simulation:
         return self._engine.layer_sums(axis, layers)
 
     # Checkpoints
+
+    def __reduce__(self) -> NoReturn:
+        """Refuse to be copied or pickled: the copy would share the engine."""
+        raise TypeError("a simulation is not copied or pickled as it is; save() and Simulation.resume() do that")
 
     def save(self, path: str | Path) -> None:
         """Write a checkpoint from which ``resume`` continues with the same bits; the file is replaced as a whole."""

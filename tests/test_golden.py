@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ import pytest
 
 from pydlpoly import Scene, Simulation, _core, load, single_point
 from pydlpoly.formats.records import FloatArray
+from pydlpoly.reporters import statistics_record
 
 GOLDEN = Path(__file__).resolve().parents[2] / "shared" / "golden"
 CASES = sorted(folder.name for folder in GOLDEN.iterdir() if folder.is_dir()) if GOLDEN.is_dir() else []
@@ -45,6 +46,18 @@ def test_golden_case(case: str) -> None:
         assert_single_point(scene, expected)
     else:
         pytest.fail(f"{case} belongs to no known kind of case")
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if not case.startswith(("run-", "coul-ewald-"))])
+def test_row_of_statis(case: str) -> None:
+    """All 27 columns that DL_POLY wrote, enthalpy and cell angles among them, as exact as the largest part of a sum."""
+    row = json.loads((GOLDEN / case / "expected.json").read_text())["statis"]
+    found = statistics_record(Simulation(load(GOLDEN / case), seed=1, threads=1))
+    columns = [column.name for column in fields(found)][2:29]  # after step and time
+    printed = max(abs(row["engcns"]), abs(row["engcfg"])) * PRINTED * 1e-3
+    assert len(row) == len(columns)
+    for column, (name, value) in zip(columns, row.items(), strict=True):
+        assert getattr(found, column) == pytest.approx(value, rel=2.0 * PRINTED, abs=printed), name
 
 
 def assert_mesh(scene: Scene, expected: dict[str, Any]) -> None:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 import os
+import pickle
 import signal
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -61,6 +64,12 @@ def test_threads_that_no_process_can_have(scene: pydlpoly.Scene, threads: int) -
     for start in (Simulation, single_point):
         with pytest.raises(SceneError, match=told):
             start(scene, threads=threads)
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, pickle.dumps])
+def test_a_copy_never_shares_the_engine(scene: pydlpoly.Scene, copied: Callable[[Simulation], object]) -> None:
+    with pytest.raises(TypeError, match=r"save\(\) and Simulation\.resume\(\) do that$"):
+        copied(Simulation(scene, threads=1, seed=1))
 
 
 def test_single_point_is_not_changed_by_seed_or_threads(scene: pydlpoly.Scene) -> None:

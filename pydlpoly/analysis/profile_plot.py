@@ -138,8 +138,8 @@ def plot_profile(table: BinnedTable, path: Path, quantities: Sequence[str] = ())
         quantities: names; by default all.
 
     Raises:
-        InputError: the table has two axes or lacks a quantity, matplotlib is missing, or it does not know the format.
-        RunError: the file cannot be written.
+        InputError: the table has two axes or lacks a quantity, matplotlib is missing, it does not know the
+            format, or the file cannot be written.
     """
     if len(table.axes) != 1:
         raise InputError("averages over two axes are a map, not a profile", path=str(path))

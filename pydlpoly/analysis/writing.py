@@ -97,8 +97,8 @@ def draw(path: Path, curves: Sequence[Curve]) -> None:
     """Draw the curves, one panel a quantity; bands are two standard errors wide. The name's ending says the format.
 
     Raises:
-        InputError: there is nothing to draw, matplotlib is missing, or it does not know the format.
-        RunError: the file cannot be written.
+        InputError: there is nothing to draw, matplotlib is missing, it does not know the format, or the file cannot be
+            written.
     """
     groups = list(dict.fromkeys(curve.group for curve in curves))
     if not groups:

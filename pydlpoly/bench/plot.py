@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pydlpoly.bench.results import Report
-from pydlpoly.errors import InputError, RunError
+from pydlpoly.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,15 +28,14 @@ def save_figure(figure: Figure, path: Path) -> None:
     except ValueError as error:
         raise InputError(f"cannot be drawn: {error}", path=str(path)) from error
     except OSError as error:
-        raise RunError(f"{path}: cannot be written: {error.strerror or error}") from error
+        raise InputError(f"cannot be written: {error.strerror or error}", path=str(path)) from error
 
 
 def write_plot(report: Report, path: Path) -> None:
     """Draw the rates with their quartiles as bars; the name's ending says the format (.png, .svg, .pdf).
 
     Raises:
-        InputError: matplotlib is missing, or it does not know the format.
-        RunError: the file cannot be written.
+        InputError: matplotlib is missing, it does not know the format, or the file cannot be written.
     """
     rows = [(scene.name, one) for scene in report.scenes for one in scene.contenders]
     figure = new_figure(path, 8.0, 1.2 + 0.32 * len(rows))

@@ -13,8 +13,7 @@ def write_plan_plot(rows: Sequence[Estimate], path: Path) -> None:
     """Draw times of a step and the halo's share; the name's ending says the format (.png, .svg, .pdf).
 
     Raises:
-        InputError: matplotlib is missing, or it does not know the format.
-        RunError: the file cannot be written.
+        InputError: matplotlib is missing, it does not know the format, or the file cannot be written.
     """
     figure = new_figure(path, 8.0, 3.6)
     times, shares = figure.subplots(1, 2)

@@ -25,8 +25,7 @@ def write_plot(report: TradeoffReport, path: Path) -> None:
     """Draw the largest error of every candidate against its speed; the name's ending says the format.
 
     Raises:
-        InputError: matplotlib is missing, or it does not know the format.
-        RunError: the file cannot be written.
+        InputError: matplotlib is missing, it does not know the format, or the file cannot be written.
     """
     figure = new_figure(path, 9.0, 6.0)
     axes = figure.subplots()

@@ -62,6 +62,13 @@ def test_averages_and_what_beads_carry_as_pictures(reports, tmp_path: Path, quan
     assert "did you mean map-velocity_" in done.stderr
 
 
+def test_a_picture_that_cannot_be_written_is_no_stopped_run(reports, tmp_path: Path) -> None:
+    path = tmp_path / "no" / "such.png"
+    done = command("plot", reports("healthy").folder, "temperature", "--output", path)
+    assert done.returncode == 1
+    assert done.stderr == f"pydlpoly: {path}: cannot be written: No such file or directory\n"
+
+
 def test_what_there_is_is_listed(reports) -> None:
     done = command("plot", reports("healthy").folder)
     assert "figures: last, start, temperature, pressure" in done.stdout
