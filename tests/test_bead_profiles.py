@@ -139,7 +139,8 @@ def test_files_that_are_no_profiles(tmp_path: Path) -> None:
     for text, message in (
         ("1 2\n3 4\n", "is no profile or map"),
         ("\n".join(lines[:-1]), "is cut short or damaged: expected 3 lines of 2 numbers"),
-        ("\n".join([*lines[:-1], "hot"]), "cannot be read"),
+        ("\n".join([*lines[:-1], "hot"]), "expected 3 lines of 2 numbers, found 2"),
+        ("\n".join([*lines[:-1], "1 hot"]), "cannot be read"),
     ):
         path.write_text(text)
         with pytest.raises(InputError, match=message):
