@@ -152,10 +152,12 @@ def test_damaged_files(cli, tmp_path: Path, file: str, damage: str) -> None:
 
 
 def test_missing_folder_and_file_in_place_of_a_folder(cli, tmp_path: Path) -> None:
-    for place in (tmp_path / "nowhere", run_folder(tmp_path) / "CONFIG"):
-        refused = cli("run", place)
-        assert refused.code == 1
-        assert re.fullmatch(r"pydlpoly: \S+/CONTROL: .*\n", refused.err)
+    refused = cli("run", tmp_path / "nowhere")
+    assert refused.code == 1
+    assert re.fullmatch(r"pydlpoly: \S+/nowhere/CONTROL: there is no such file; .*\n", refused.err)
+    refused = cli("run", run_folder(tmp_path) / "CONFIG")
+    assert refused.code == 1
+    assert re.fullmatch(r"pydlpoly: \S+/CONFIG: it is a file; expected a folder with .*\n", refused.err)
 
 
 def test_title_that_is_not_utf8(cli, tmp_path: Path) -> None:
@@ -524,7 +526,7 @@ def test_folder_that_may_not_be_looked_into(tmp_path: Path, cli, monkeypatch: py
     refused = cli("run", tmp_path)
     monkeypatch.undo()
     assert refused.code == 1
-    assert re.fullmatch(r"pydlpoly: \S+/CONTROL: .*Permission denied\n", refused.err)
+    assert re.fullmatch(rf"pydlpoly: {tmp_path}(/CONTROL)?: .*Permission denied\n", refused.err)
 
 
 def test_permission_denied(tmp_path: Path, cli, monkeypatch: pytest.MonkeyPatch) -> None:
