@@ -38,6 +38,7 @@ __all__: list[str] = [
     "pair_laws",
     "pair_noise",
     "pair_range",
+    "pair_rounds",
     "pair_tail",
     "philox",
     "present_kinetic_energy",
@@ -986,6 +987,14 @@ def pair_noise(
 def pair_range(key: str, parameters: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> float:
     """
     Distance in Å where the law itself ends; 0 when it ends at the run's cutoff.
+    """
+
+def pair_rounds(
+    first: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+    second: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+) -> tuple[list[int], list[int]]:
+    """
+    Pairs of beads in rounds without common beads: each pair's place, and where the rounds start.
     """
 
 def pair_tail(

@@ -95,7 +95,7 @@ def normals(beads: int, step: int, precision: str) -> FloatArray:
     if precision == "reference":
         for i, j in combinations(range(beads), 2):
             w = [int(n) for n in _core.philox([step, STREAM << 16, i, j], SEED)]
-            first, second = ((((h << 32) | l) >> 12) + 0.5 for h, l in (w[:2], w[2:]))
+            first, second = ((((high << 32) | low) >> 12) + 0.5 for high, low in (w[:2], w[2:]))
             found[i, j] = np.sqrt(-2 * np.log(first * 2.0**-52)) * np.cos(2 * np.pi * second * 2.0**-52)
         return found
     w = [int(n) for n in _core.philox([0, STREAM << 16, 0, 0], SEED)]
@@ -172,7 +172,9 @@ def test_rounds_are_the_pairs_one_after_the_other(name: str, precision: str) -> 
         extensions=heat(*lines),
     )
     simulation = Simulation(scene, seed=SEED, precision=precision)
-    expected = np.where(np.array(list(species)) == "W", 2.0, random.uniform(1 - case.spread, 1 + case.spread, len(species)))
+    expected = np.where(
+        np.array(list(species)) == "W", 2.0, random.uniform(1 - case.spread, 1 + case.spread, len(species))
+    )
     set_temperatures(simulation, expected)
     for step in (1, 2, 3):
         simulation.run(1)
