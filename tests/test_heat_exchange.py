@@ -172,8 +172,9 @@ def test_rounds_are_the_pairs_one_after_the_other(name: str, precision: str) -> 
         extensions=heat(*lines),
     )
     simulation = Simulation(scene, seed=SEED, precision=precision)
-    warm = random.uniform(1 - case.spread, 1 + case.spread, len(species))
-    expected = np.where(np.array(list(species)) == "W", 2.0, warm)
+    expected = np.where(
+        np.array(list(species)) == "W", 2.0, random.uniform(1 - case.spread, 1 + case.spread, len(species))
+    )
     set_temperatures(simulation, expected)
     for step in (1, 2, 3):
         simulation.run(1)
