@@ -202,7 +202,7 @@ def test_rounds_share_no_bead_and_keep_every_beads_order(beads: int, data: st.Da
 
 PROGRAM = """
 import hashlib, sys
-sys.path.insert(0, sys.argv[1])
+sys.path.append(sys.argv[1])  # an installed package before the source folder
 import numpy as np
 from pydlpoly import Simulation
 from tests.heat_scenes import fluid, heat, temperatures

@@ -151,8 +151,9 @@ void PairRows::append(std::uint32_t i, const ListEntry* found, const ListEntry* 
         to_squared[k] = squared;
         // A bead and its own image have nothing to exchange, and coincident beads define no direction.
         bool acts = (i != j) & (squared < reach_squared[term]) & (squared != 0.0);
-        if (skips || any_excluded) {
-            acts = acts && !(skips && frozen_[j] != 0) && !exclusions_.contains(order[i], order[j]);
+        acts = acts && !(skips && frozen_[j] != 0);
+        if (any_excluded) {
+            acts = acts && !exclusions_.contains(order[i], order[j]);
         }
         k += acts ? 1 : 0;
     }
