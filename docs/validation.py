@@ -134,10 +134,10 @@ ROWS = (
         Row(f"{kernel}-{density}", f"pressure of many-body bulk at ρ = {density}, kernel {kernel}", value, 0.0, source,
             f"{_MANY_BODY}::test_bulk_pressure")
         for kernel, source, values in (
-            ("warren", HARNESS, (-3.4, 61.3, 167.0)),
-            ("lucy", LAMMPS, (-11.5, 16.9, 107.1)),
+            ("warren", HARNESS, {6: -3.4, 7: 61.3, 8: 167.0}),
+            ("lucy", LAMMPS, {7: 16.9, 8: 107.1}),  # at 6 a bubble opens, whose pressure depends on the box
         )
-        for density, value in zip((6, 7, 8), values, strict=True)
+        for density, value in values.items()
     ),
     Row("edpd-max", "beads with heat between a source and a sink: highest temperature", 1.06003, 0.0, EXAMPLE, _HEAT),
     Row("edpd-min", "lowest", 0.940968, 0.0, EXAMPLE, _HEAT),
