@@ -25,7 +25,7 @@ from pydlpoly.bench.lammps_input import lammps_input
 from pydlpoly.bench.processes import isolation, lammps_environment
 from pydlpoly.errors import InputError
 
-FEW, MORE = 5, 25
+FEW, MORE = 5, 105
 
 # One call of the core for all steps, as in a chunk of a long run: under valgrind the clock would make chunks of one.
 _OURS = """
@@ -114,7 +114,9 @@ def _count(command: list[str], environment: dict[str, str]) -> int:
     tool = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", sys.executable, *isolation(), "-c"]
     # Elsewhere: a program from -c looks for packages in its folder first, and a checkout has one without a core.
     folder = tempfile.gettempdir()
-    done = subprocess.run([*tool, *command], env=environment, cwd=folder, capture_output=True, text=True, check=False)
+    # Python starts alike each time: its dictionaries differ by millions of instructions between seeds of its hashes.
+    alike = {**environment, "PYTHONHASHSEED": "0", "PYTHONDONTWRITEBYTECODE": "1"}
+    done = subprocess.run([*tool, *command], env=alike, cwd=folder, capture_output=True, text=True, check=False)
     found = re.search(r"Collected : (\d+)", done.stderr)
     if done.returncode != 0 or found is None:
         raise InputError(f"valgrind ended with exit code {done.returncode}: {done.stderr.strip()[-500:]}")
