@@ -25,7 +25,7 @@ from pydlpoly.bench.lammps_input import lammps_input
 from pydlpoly.bench.processes import isolation, lammps_environment
 from pydlpoly.errors import InputError
 
-FEW, MORE = 5, 105
+FEW, MORE = 5, 65
 
 # One call of the core for all steps, as in a chunk of a long run: under valgrind the clock would make chunks of one.
 _OURS = """

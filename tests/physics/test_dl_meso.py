@@ -41,6 +41,7 @@ def averages(simulation: Simulation, samples: int, every: int) -> tuple[dict[str
     return {name: float(values.mean()) for name, values in table.items()}, errors, momentum
 
 
+@pytest.mark.long
 def test_lipids_have_dl_mesos_averages(shared: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """4000 steps from random places, then 2000: bonds, angles and T have settled, the bilayer has not yet.
 

@@ -69,6 +69,7 @@ def test_viscosity_by_shear() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_viscosity_by_periodic_poiseuille_flow() -> None:
     viscosity, error = by_poiseuille_flow()
     assert error < 0.03  # 0.015 is usual
@@ -76,6 +77,7 @@ def test_viscosity_by_periodic_poiseuille_flow() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_both_agree() -> None:
     shear, poiseuille = by_shear(), by_poiseuille_flow()
     assert abs(shear[0] - poiseuille[0]) < 3.0 * np.hypot(shear[1], poiseuille[1])

@@ -123,9 +123,9 @@ def bulk_pressure(kernel: str, density: int) -> tuple[float, float]:
         ("warren", 6, -3.4),
         ("warren", 7, 61.3),
         ("warren", 8, 167.0),
-        ("lucy", 6, -11.5),
+        pytest.param("lucy", 6, -11.5, marks=pytest.mark.long),
         ("lucy", 7, 16.9),
-        ("lucy", 8, 107.1),
+        pytest.param("lucy", 8, 107.1, marks=pytest.mark.long),
     ],
 )
 def test_bulk_pressure(kernel: str, density: int, pressure: float) -> None:
