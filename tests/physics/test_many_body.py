@@ -91,7 +91,8 @@ def slab(kernel: str, steps: int = 8000, seed: int = 3) -> Slab:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("kernel", "density", "tension", "margin"), [("warren", 6.08, 7.3, 0.5), ("lucy", 6.71, 9.6, 0.7)]
+    ("kernel", "density", "tension", "margin"),
+    [("warren", 6.08, 7.3, 0.5), pytest.param("lucy", 6.71, 9.6, 0.7, marks=pytest.mark.long)],
 )
 def test_slab(kernel: str, density: float, tension: float, margin: float) -> None:
     """Standard errors: 0.01 of the density, 0.15 of the tension."""
