@@ -5,9 +5,6 @@ All beads of the oracle's scene lie in one link cell, where pairs take their tur
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
@@ -22,6 +19,7 @@ from pydlpoly import Simulation, _core
 from pydlpoly.formats.records import FloatArray
 
 from .heat_scenes import STEP, heat, set_temperatures, temperatures
+from .instruction_sets import printed_by_set
 from .scene_builder import NVE, make_scene
 
 SEED, STREAM, TIMESTEP = 5, 10, 0.05
@@ -225,23 +223,7 @@ print(digest.hexdigest())
 
 
 def test_every_instruction_set_gives_the_same_bits(tmp_path: Path) -> None:
-    root = str(Path(__file__).parents[1])
-    digests = {}
-    for name in ("plain", "avx2", "avx512"):
-        run = subprocess.run(
-            [sys.executable, *(["-S"] if sys.flags.no_site else []), "-c", PROGRAM, root],
-            env={**os.environ, "PYDLPOLY_SIMD": name},
-            capture_output=True,
-            text=True,
-            timeout=300,
-            check=False,
-            cwd=tmp_path,
-        )
-        if run.returncode == 0:
-            digests[name] = run.stdout.strip()
-        else:
-            assert "PYDLPOLY_SIMD" in run.stderr, run.stderr
-    assert "plain" in digests
+    digests = printed_by_set(PROGRAM, tmp_path)
     assert len(set(digests.values())) == 1, digests
 
 

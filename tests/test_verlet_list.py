@@ -6,9 +6,6 @@ has none. Both must agree to the bit.
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -19,6 +16,7 @@ from numpy.typing import ArrayLike
 from pydlpoly import Scene, Simulation, _core
 from pydlpoly.formats.records import FloatArray
 
+from .instruction_sets import printed_by_set
 from .scene_builder import NVE, cell_of, make_scene
 
 SKEWED = [[9.0, 0.0, 0.0], [3.1, 8.6, 0.0], [-2.4, 2.7, 9.2]]
@@ -229,23 +227,7 @@ print(digest.hexdigest())
 
 
 def test_every_instruction_set_gives_the_same_bits(tmp_path: Path) -> None:
-    root = str(Path(__file__).parents[1])
-    digests = {}
-    for name in ("plain", "avx2", "avx512"):
-        run = subprocess.run(
-            [sys.executable, *(["-S"] if sys.flags.no_site else []), "-c", PROGRAM, root],
-            env={**os.environ, "PYDLPOLY_SIMD": name},
-            capture_output=True,
-            text=True,
-            timeout=300,
-            check=False,
-            cwd=tmp_path,
-        )
-        if run.returncode == 0:
-            digests[name] = run.stdout.strip()
-        else:
-            assert "PYDLPOLY_SIMD" in run.stderr, run.stderr
-    assert "plain" in digests
+    digests = printed_by_set(PROGRAM, tmp_path)
     assert len(set(digests.values())) == 1, digests
 
 

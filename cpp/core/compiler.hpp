@@ -10,3 +10,17 @@
 #define DLPOLY_ALWAYS_INLINE inline
 #define DLPOLY_RESTRICT
 #endif
+
+// A function for an instruction set; `flatten` draws everything into it, so that nothing compiled for the set can be
+// met elsewhere.
+#ifdef DLPOLY_LAW_VECTORS
+#define DLPOLY_FOR_AVX2 __attribute__((target("avx2"), flatten))
+#define DLPOLY_FOR_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw"), flatten))
+#endif
+
+// LOOPS(set, attribute) defines a file's loops as `set`_loops, for every set that is built.
+#ifdef DLPOLY_LAW_VECTORS
+#define DLPOLY_LOOPS_FOR_EVERY_SET(LOOPS) LOOPS(plain, ) LOOPS(avx2, DLPOLY_FOR_AVX2) LOOPS(avx512, DLPOLY_FOR_AVX512)
+#else
+#define DLPOLY_LOOPS_FOR_EVERY_SET(LOOPS) LOOPS(plain, )
+#endif

@@ -71,13 +71,12 @@ void run_plain(const Law& law, const LawLoop& loop) {
 #ifdef DLPOLY_LAW_VECTORS
 // `flatten` draws everything the law calls into the loop, so that nothing compiled for these sets can be met elsewhere.
 template <class Law>
-__attribute__((target("avx2"), flatten)) void run_avx2(const Law& law, const LawLoop& loop) {
+DLPOLY_FOR_AVX2 void run_avx2(const Law& law, const LawLoop& loop) {
     run_law(law, loop);
 }
 
 template <class Law>
-__attribute__((target("avx512f,avx512dq,avx512vl,avx512bw"), flatten)) void run_avx512(const Law& law,
-                                                                                       const LawLoop& loop) {
+DLPOLY_FOR_AVX512 void run_avx512(const Law& law, const LawLoop& loop) {
     run_law(law, loop);
 }
 #endif

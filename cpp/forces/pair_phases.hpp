@@ -121,4 +121,11 @@ const Version& chosen_version(const Version& plain, const Version& avx2, const V
     return chosen == avx512_phases() ? avx512 : chosen == avx2_phases() ? avx2 : plain;
 }
 
+// The chosen of the loops that DLPOLY_LOOPS_FOR_EVERY_SET has defined.
+#ifdef DLPOLY_LAW_VECTORS
+#define DLPOLY_CHOSEN_LOOPS chosen_version(plain_loops, avx2_loops, avx512_loops)
+#else
+#define DLPOLY_CHOSEN_LOOPS plain_loops
+#endif
+
 }  // namespace dlpoly

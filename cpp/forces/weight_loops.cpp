@@ -28,27 +28,17 @@ DLPOLY_ALWAYS_INLINE void run_common(const Pairs& pairs, double exponent, double
     }
 }
 
-#define DLPOLY_WEIGHT_LOOPS(set, target)                                                           \
+#define DLPOLY_LOOPS_FOR(set, target)                                                              \
     target void set##_common(const double* squared, double cutoff, double exponent, double* power, \
                              std::size_t count) {                                                  \
         run_common({squared, cutoff, count}, exponent, power);                                     \
     }                                                                                              \
     constexpr WeightLoops set##_loops{&set##_common};
 
-DLPOLY_WEIGHT_LOOPS(plain, )
-#ifdef DLPOLY_LAW_VECTORS
-DLPOLY_WEIGHT_LOOPS(avx2, __attribute__((target("avx2"), flatten)))
-DLPOLY_WEIGHT_LOOPS(avx512, __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw"), flatten)))
-#endif
+DLPOLY_LOOPS_FOR_EVERY_SET(DLPOLY_LOOPS_FOR)
 
 }  // namespace
 
-const WeightLoops& weight_loops() {
-#ifdef DLPOLY_LAW_VECTORS
-    return chosen_version(plain_loops, avx2_loops, avx512_loops);
-#else
-    return plain_loops;
-#endif
-}
+const WeightLoops& weight_loops() { return DLPOLY_CHOSEN_LOOPS; }
 
 }  // namespace dlpoly

@@ -5,18 +5,11 @@
 #include <cmath>
 
 #include "core/bead_words.hpp"
+#include "core/compiler.hpp"
 #include "core/normal.hpp"
 #include "core/power.hpp"
 #include "forces/pair_batch.hpp"
 #include "forces/pair_phases.hpp"
-
-#if defined(__GNUC__)
-#define DLPOLY_ALWAYS_INLINE [[gnu::always_inline]] inline
-#define DLPOLY_RESTRICT __restrict
-#else
-#define DLPOLY_ALWAYS_INLINE inline
-#define DLPOLY_RESTRICT
-#endif
 
 namespace dlpoly {
 
@@ -184,7 +177,6 @@ DLPOLY_ALWAYS_INLINE std::size_t run_exchange(const HeatRound& round, std::size_
     return found;
 }
 
-// `flatten` draws everything into the loop, so that nothing compiled for these sets can be met elsewhere.
 #define DLPOLY_LOOPS_FOR(set, attribute)                                                                              \
     attribute void set##_powers(const HeatWeights& loop) { run_weights<false, false>(loop); }                         \
     attribute void set##_squares(const HeatWeights& loop) { run_weights<false, true>(loop); }                         \
@@ -201,20 +193,10 @@ DLPOLY_ALWAYS_INLINE std::size_t run_exchange(const HeatRound& round, std::size_
                                             &set##_normals,                                                           \
                                             {&set##_many, &set##_one}};
 
-DLPOLY_LOOPS_FOR(plain, )
-#ifdef DLPOLY_LAW_VECTORS
-DLPOLY_LOOPS_FOR(avx2, __attribute__((target("avx2"), flatten)))
-DLPOLY_LOOPS_FOR(avx512, __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw"), flatten)))
-#endif
+DLPOLY_LOOPS_FOR_EVERY_SET(DLPOLY_LOOPS_FOR)
 
 }  // namespace
 
-const HeatExchangeLoops& heat_exchange_loops() {
-#ifdef DLPOLY_LAW_VECTORS
-    return chosen_version(plain_loops, avx2_loops, avx512_loops);
-#else
-    return plain_loops;
-#endif
-}
+const HeatExchangeLoops& heat_exchange_loops() { return DLPOLY_CHOSEN_LOOPS; }
 
 }  // namespace dlpoly

@@ -5,18 +5,11 @@
 #include <bit>
 #include <cmath>
 
+#include "core/compiler.hpp"
 #include "core/exact_sum.hpp"
 #include "core/power.hpp"
 #include "forces/pair_batch.hpp"
 #include "forces/pair_phases.hpp"
-
-#if defined(__GNUC__)
-#define DLPOLY_ALWAYS_INLINE [[gnu::always_inline]] inline
-#define DLPOLY_RESTRICT __restrict
-#else
-#define DLPOLY_ALWAYS_INLINE inline
-#define DLPOLY_RESTRICT
-#endif
 
 namespace dlpoly {
 
@@ -190,7 +183,6 @@ DLPOLY_ALWAYS_INLINE bool run_conserving(const HeatOfMotion& loop) {
     return beyond == 0;
 }
 
-// `flatten` draws everything into the loop, so that nothing compiled for these sets can be met elsewhere.
 #define DLPOLY_LOOPS_FOR(set, attribute)                                                             \
     attribute void set##_repulsion(const RepulsionOfHeat& loop) { run_repulsion(loop); }             \
     attribute void set##_plainly(const MotionOfHeat& loop) { run_motion<false, false>(loop); }       \
@@ -204,20 +196,10 @@ DLPOLY_ALWAYS_INLINE bool run_conserving(const HeatOfMotion& loop) {
                                           &set##_conserving,                                         \
                                           &set##_lammps};
 
-DLPOLY_LOOPS_FOR(plain, )
-#ifdef DLPOLY_LAW_VECTORS
-DLPOLY_LOOPS_FOR(avx2, __attribute__((target("avx2"), flatten)))
-DLPOLY_LOOPS_FOR(avx512, __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw"), flatten)))
-#endif
+DLPOLY_LOOPS_FOR_EVERY_SET(DLPOLY_LOOPS_FOR)
 
 }  // namespace
 
-const HeatMotionLoops& heat_motion_loops() {
-#ifdef DLPOLY_LAW_VECTORS
-    return chosen_version(plain_loops, avx2_loops, avx512_loops);
-#else
-    return plain_loops;
-#endif
-}
+const HeatMotionLoops& heat_motion_loops() { return DLPOLY_CHOSEN_LOOPS; }
 
 }  // namespace dlpoly

@@ -83,7 +83,6 @@ DLPOLY_ALWAYS_INLINE void power_repulsion(const RepulsionLoop& loop) {
     run_repulsion(loop, [&power](double near) { return power(near); });
 }
 
-// `flatten` draws everything into the loop, so that nothing compiled for these sets can be met elsewhere.
 #define DLPOLY_LOOPS_FOR(set, attribute)                                                 \
     attribute void set##_quadratic(const DensityLoop& loop) { quadratic_density(loop); } \
     attribute void set##_power(const DensityLoop& loop) { power_density(loop); }         \
@@ -92,20 +91,10 @@ DLPOLY_ALWAYS_INLINE void power_repulsion(const RepulsionLoop& loop) {
     attribute void set##_steep(const RepulsionLoop& loop) { power_repulsion(loop); }     \
     constexpr ManyBodyLoops set##_loops{&set##_quadratic, &set##_power, &set##_lucy, &set##_linear, &set##_steep};
 
-DLPOLY_LOOPS_FOR(plain, )
-#ifdef DLPOLY_LAW_VECTORS
-DLPOLY_LOOPS_FOR(avx2, __attribute__((target("avx2"), flatten)))
-DLPOLY_LOOPS_FOR(avx512, __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw"), flatten)))
-#endif
+DLPOLY_LOOPS_FOR_EVERY_SET(DLPOLY_LOOPS_FOR)
 
 }  // namespace
 
-const ManyBodyLoops& many_body_loops() {
-#ifdef DLPOLY_LAW_VECTORS
-    return chosen_version(plain_loops, avx2_loops, avx512_loops);
-#else
-    return plain_loops;
-#endif
-}
+const ManyBodyLoops& many_body_loops() { return DLPOLY_CHOSEN_LOOPS; }
 
 }  // namespace dlpoly

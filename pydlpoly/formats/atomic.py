@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import secrets
 import stat
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -68,12 +69,12 @@ def replace_file(path: PathLike, content: bytes | str) -> None:
         handle.write(content.encode("utf-8") if isinstance(content, str) else content)
 
 
-class Closing:
+class Closing(ABC):
     """Something that is closed at the end of a ``with`` block, whatever happens in it."""
 
+    @abstractmethod
     def close(self) -> None:
         """Close it; closing twice is harmless."""
-        raise NotImplementedError
 
     def __enter__(self: _Self) -> _Self:
         """Return what is open."""
